@@ -1,0 +1,5 @@
+//! manylight: real-time many-light global illumination on raw Vulkan.
+#![deny(unsafe_code)]
+
+pub mod error;
+pub mod scene;
