@@ -2,4 +2,5 @@
 #![deny(unsafe_code)]
 
 pub mod error;
+pub mod gpu;
 pub mod scene;
