@@ -1,5 +1,8 @@
 //! manylight: real-time many-light global illumination on raw Vulkan.
 #![deny(unsafe_code)]
 
+pub mod cache;
 pub mod error;
+pub mod output;
+pub mod report;
 pub mod scene;
