@@ -1,6 +1,11 @@
 //! manylight: real-time many-light global illumination on raw Vulkan.
 #![deny(unsafe_code)]
 
+pub mod cache;
+pub mod config;
 pub mod error;
 pub mod gpu;
+pub mod graph;
+pub mod output;
+pub mod report;
 pub mod scene;
