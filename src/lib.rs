@@ -1,5 +1,6 @@
 //! manylight: real-time many-light global illumination on raw Vulkan.
 #![deny(unsafe_code)]
 
+pub mod config;
 pub mod error;
 pub mod scene;
