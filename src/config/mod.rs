@@ -3,9 +3,16 @@
 //! One section a slot of the frame. Paths, enums and ranges are checked when a file is loaded; whoever builds a [`Config`]
 //! in code keeps the ranges that the fields name.
 
+mod check;
+mod keys;
+mod load;
+mod rules;
 mod scene;
 mod stages;
+mod tree;
 
+pub use keys::{KeyInfo, Kind, Range, choices, keys, markdown_table};
+pub use load::{load, parse, to_toml};
 pub use scene::{Builtin, CameraConfig, CameraKeyframe, Interpolation, LightConfig, LightKeyframe, SceneConfig, SceneSelector};
 pub use stages::{
     BoxConfig, ComposeConfig, Dielectric, DirectConfig, FilterConfig, FilterKind, FrameConfig, GatherConfig, GatherMethod, Layer,
