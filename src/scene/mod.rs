@@ -6,6 +6,7 @@
 
 pub mod builder;
 pub mod pack;
+pub mod view;
 
 use glam::{Affine3A, Mat2, Vec2, Vec3};
 
