@@ -95,7 +95,7 @@ impl<'g> Commands<'g> {
         }
     }
 
-    /// Takes the next timestamp, once everything recorded so far is done. `dummies` more are taken and wasted.
+    /// Takes the next timestamp, once everything recorded so far is done.
     pub fn stamp(&mut self) {
         assert!(self.stamps < QUERY_COUNT, "a submission takes more than {QUERY_COUNT} timestamps");
         unsafe {
@@ -234,6 +234,11 @@ impl<'g> Commands<'g> {
         let regions = [vk::BufferCopy { src_offset: from_offset, dst_offset: to_offset, size: bytes }];
         let memory = &self.gpu.memory;
         unsafe { self.gpu.device.cmd_copy_buffer(self.buffer, memory.buffer(from).handle, memory.buffer(to).handle, &regions) };
+    }
+
+    /// Copies as much as the target holds.
+    pub fn copy_whole_buffer(&mut self, from: BufferId, to: BufferId) {
+        self.copy_buffer(from, 0, to, 0, self.gpu.memory.buffer(to).bytes.min(self.gpu.memory.buffer(from).bytes));
     }
 
     pub(super) fn copy_buffer_to_image(&mut self, from: BufferId, to: ImageId, layer: u32) {

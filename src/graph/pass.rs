@@ -29,8 +29,8 @@ pub struct DrawList {
     pub cull_back: bool,
     pub vertices: BufferId,
     pub indices: BufferId,
-    /// Indirect commands, and which of them.
-    pub arguments: BufferId,
+    /// Indirect commands (`VkDrawIndexedIndirectCommand`), and which of them.
+    pub arguments: Buffer,
     pub first: u32,
     pub count: u32,
 }
