@@ -2,6 +2,7 @@
 #![deny(unsafe_code)]
 
 pub mod cache;
+pub mod cli;
 pub mod config;
 pub mod error;
 pub mod gpu;

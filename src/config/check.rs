@@ -120,11 +120,21 @@ fn value(node: &Node, info: &KeyInfo, path: &str) -> Result<()> {
             number(node, *range, path)?;
         }
         (Kind::Size { max }, Value::List(items)) => {
-            let [Node { value: Value::Whole(width), .. }, Node { value: Value::Whole(height), .. }] = items.as_slice() else {
+            if items.len() != 2 {
                 return Err(wrong());
-            };
-            if let Some(bad) = [width, height].into_iter().find(|side| !(1..=*max).contains(*side)) {
-                return Err(out(bad));
+            }
+            for item in items {
+                match item.value {
+                    Value::Whole(side) if (1..=*max).contains(&side) => {}
+                    Value::Whole(side) => return Err(error(&item.origin, path, out_of_range(&side, info))),
+                    _ => {
+                        return Err(error(
+                            &item.origin,
+                            path,
+                            format_args!("expects {}, found {} in it", info.kind.expects(), item.found()),
+                        ));
+                    }
+                }
             }
         }
         (Kind::Point, Value::List(items)) => {
@@ -148,6 +158,10 @@ fn value(node: &Node, info: &KeyInfo, path: &str) -> Result<()> {
     Ok(())
 }
 
+fn out_of_range(value: &i64, info: &KeyInfo) -> String {
+    format!("{value} is out of range, expected {}", info.kind.range())
+}
+
 fn choice(node: &Node, text: &str, names: &[&str], path: &str) -> Result<()> {
     if names.contains(&text) {
         return Ok(());
@@ -161,7 +175,7 @@ fn choice(node: &Node, text: &str, names: &[&str], path: &str) -> Result<()> {
 fn number(node: &Node, range: Range, path: &str) -> Result<f32> {
     let (value, shown) = match node.value {
         Value::Whole(whole) => (whole as f32, whole.to_string()),
-        Value::Number(number) => (number as f32, number.to_string()),
+        Value::Number(number) => (number as f32, format!("{number:?}")),
         _ => return Err(error(&node.origin, path, format_args!("expects a number, found {}", node.found()))),
     };
     if range.contains(value) {

@@ -108,7 +108,6 @@ impl Kind {
             Kind::Text => "text".to_owned(),
             Kind::Choice(names) | Kind::Choices(names) => listed(names),
             Kind::IndexOrName => "0 and more, or text".to_owned(),
-            Kind::Whole { min, max } if *max == i64::from(u32::MAX) => format!("{min} and more"),
             Kind::Whole { min, max } => format!("{min} to {max}"),
             Kind::OneOf(values) => values.iter().map(i64::to_string).collect::<Vec<_>>().join(", "),
             Kind::Number(range) => range.text(),
@@ -136,10 +135,11 @@ pub fn keys() -> &'static [KeyInfo] {
 pub fn markdown_table() -> String {
     let mut table = String::from("| Key | Default | Takes | What it is |\n|---|---|---|---|\n");
     for key in keys() {
-        let default = match &key.default {
-            Some(text) if text.starts_with(['"', '[']) || text.starts_with(|c: char| c.is_ascii_digit()) => format!("`{text}`"),
-            Some(text) => text.clone(),
-            None => "must be given".to_owned(),
+        let default = match (&key.default, &key.kind) {
+            (Some(text), Kind::Choices(names)) if *text == format!("[{}]", listed(names)) => "all of them".to_owned(),
+            (Some(text), _) if toml::de::DeValue::parse(text).is_ok() => format!("`{text}`"),
+            (Some(text), _) => text.clone(),
+            (None, _) => "must be given".to_owned(),
         };
         let lights = if key.lights.is_empty() { String::new() } else { format!(" ({})", key.lights.join(", ")) };
         table += &format!("| `{}`{lights} | {default} | {} | {} |\n", key.key, key.kind.range(), key.what);

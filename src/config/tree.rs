@@ -119,7 +119,7 @@ impl Node {
         match &self.value {
             Value::Text(text) => format!("a string {}", quoted(text)),
             Value::Whole(whole) => format!("the whole number {whole}"),
-            Value::Number(number) => format!("the number {number}"),
+            Value::Number(number) => format!("the number {number:?}"),
             Value::Bool(value) => format!("the boolean {value}"),
             Value::Other(what) => (*what).to_owned(),
             Value::List(items) => format!("a list of {}", items.len()),

@@ -186,3 +186,138 @@ where
             + tangent(after) * (span * (s3 - s2)),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config;
+    use std::path::Path;
+
+    fn parse(text: &str) -> Config {
+        config::parse(text, Path::new("x.toml"), &[]).unwrap()
+    }
+
+    /// A camera of its own, a light of its own, and one triangle from (-1, 0, -2) to (3, 4, 2).
+    fn scene() -> Scene {
+        let vertex = |position| super::super::Vertex { position, normal: 0, uv: [0.0; 2], color: 0, tangent: 0 };
+        Scene {
+            name: "triangle".to_owned(),
+            vertices: vec![vertex([-1.0, 0.0, -2.0]), vertex([3.0, 4.0, 0.0]), vertex([0.0, 1.0, 2.0])],
+            indices: vec![0, 1, 2],
+            draws: vec![super::super::Draw {
+                first_index: 0,
+                index_count: 3,
+                vertex_offset: 0,
+                material: 0,
+                transform: Default::default(),
+            }],
+            lights: vec![Light::Environment { radiance: Vec3::ONE }],
+            cameras: vec![Camera { name: "eye".to_owned(), fov_y_deg: 20.0, ..looking(Vec3::X, Vec3::ZERO) }],
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn the_view_is_the_configs_else_the_scenes_else_one_that_frames_everything() {
+        let mut scene = scene();
+        let at = |text: &str, scene: &Scene| camera(&parse(text), scene, 0).unwrap();
+        let given = at("[camera]\nposition = [0, 1, 2]\ntarget = [3, 4, 5]\nup = [0, 0, 5]\nfov_y_deg = 33", &scene);
+        assert_eq!(
+            given,
+            Camera { name: given.name.clone(), up: Vec3::Z, fov_y_deg: 33.0, ..looking([0., 1., 2.].into(), [3., 4., 5.].into()) }
+        );
+        assert_eq!(at("", &scene), scene.cameras[0]);
+        assert_eq!(at("[camera]\nfov_y_deg = 50", &scene), Camera { fov_y_deg: 50.0, ..scene.cameras[0].clone() });
+        scene.cameras.push(Camera { name: "second".to_owned(), ..looking(Vec3::Z, Vec3::ZERO) });
+        assert_eq!(at("scene.file = \"a.glb\"\ncamera.node = \"second\"", &scene), scene.cameras[1]);
+        let error = camera(&parse("scene.file = \"a.glb\"\ncamera.node = \"third\""), &scene, 0).unwrap_err();
+        assert_eq!(error.to_string(), "camera.node: triangle has no camera \"third\"; it has the cameras \"eye\", \"second\"");
+        scene.cameras.clear();
+        for size in ["[960, 540]", "[200, 900]"] {
+            let config = parse(&format!("frame.size = {size}"));
+            let view = camera(&config, &scene, 0).unwrap();
+            let aspect = config.frame.size[0] as f32 / config.frame.size[1] as f32;
+            let ahead = (view.target - view.position).normalize();
+            let right = ahead.cross(view.up).normalize();
+            let seen = scene.draw_bounds(&scene.draws[0]).corners().map(|corner| {
+                let corner = corner - view.position;
+                let half_height = ahead.dot(corner) * (view.fov_y_deg.to_radians() * 0.5).tan();
+                (right.dot(corner).abs() / (half_height * aspect)).max(right.cross(ahead).dot(corner).abs() / half_height)
+            });
+            let most = seen.into_iter().fold(0.0, f32::max);
+            assert!((0.9..1.0).contains(&most), "{size}: {most}");
+        }
+        assert!(camera(&Config::default(), &Scene::default(), 0).is_ok());
+    }
+
+    #[test]
+    fn a_path_goes_through_its_keyframes_and_holds_at_both_ends() {
+        let text = |how: &str| {
+            format!(
+                "frame.fps = 2\n[camera]\nfov_y_deg = 30\ninterpolation = \"{how}\"\nkeyframes = [
+                    {{ time = 1, position = [0, 0, 0], target = [0, 0, 9] }}, {{ time = 2, position = [1, 0, 0], target = [1, 0, 9] }},
+                    {{ time = 4, position = [1, 2, 0], target = [1, 2, 9] }}]"
+            )
+        };
+        let at = |how: &str, frame| camera(&parse(&text(how)), &scene(), frame).unwrap().position;
+        for how in ["linear", "catmull-rom"] {
+            assert_eq!(
+                [0, 2, 4, 8, 100].map(|frame| at(how, frame)),
+                [[0., 0., 0.], [0., 0., 0.], [1., 0., 0.], [1., 2., 0.], [1., 2., 0.]].map(Vec3::from)
+            );
+        }
+        assert_eq!(at("linear", 3), Vec3::new(0.5, 0.0, 0.0));
+        assert_eq!(at("linear", 6), Vec3::new(1.0, 1.0, 0.0));
+        assert_eq!(camera(&parse(&text("linear")), &scene(), 3).unwrap().fov_y_deg, 30.0);
+    }
+
+    #[test]
+    fn a_smooth_path_follows_a_parabola_whatever_the_spacing_of_its_keyframes() {
+        let parabola = |t: f64| DVec3::new(t * t, 3.0 - t, 0.5 * t * t + t);
+        let keys = [-1.0, 0.0, 0.7, 2.0, 5.0, 6.0].map(|t| (t, parabola(t)));
+        for step in 0..=50 {
+            let time = f64::from(step) * 0.1;
+            let found = sample(&keys, time, Interpolation::CatmullRom).unwrap();
+            assert!((found - parabola(time)).length() < 1e-9, "{time}: {found}");
+        }
+    }
+
+    #[test]
+    fn a_path_that_looks_along_its_up_is_refused_by_frame() {
+        let config = parse(
+            "frame.fps = 1\n[camera]\nkeyframes = [{ time = 0, position = [0, 0, 0], target = [1, -1, 0] }, { time = 2, position = [0, 0, 0], target = [-1, -1, 0] }]",
+        );
+        assert!(camera(&config, &scene(), 0).is_ok());
+        assert!(camera(&config, &scene(), 1).unwrap_err().to_string().contains("in frame 1 it looks straight along camera.up"));
+    }
+
+    #[test]
+    fn the_configs_lights_replace_the_scenes_and_move() {
+        assert_eq!(lights(&Config::default(), &scene(), 0), scene().lights);
+        let text = "frame.fps = 1
+            [[light]]\nkind = \"spot\"\nposition = [0, 4, 0]\ntarget = [0, 0, 0]\nintensity = [2, 2, 2]\nouter_deg = 20
+            keyframes = [{ time = 0, intensity = [2, 2, 2] }, { time = 1, position = [0, 4, 0] }, { time = 2, intensity = [4, 0, 2], position = [4, 0, 0] }]
+            [[light]]\nkind = \"directional\"\nposition = [3, 0, 0]\ntarget = [1, 0, 0]\nirradiance = [1, 2, 3]
+            [[light]]\nkind = \"directional\"\ndirection = [0, -7, 0]\nirradiance = [1, 1, 1]
+            keyframes = [{ time = 0, direction = [5, 0, 0] }, { time = 2, direction = [0, -1, 0] }, { time = 4, direction = [0, 1, 0] }]";
+        let at = |frame| lights(&parse(text), &scene(), frame);
+        let spot = |position: [f32; 3], direction: [f32; 3], intensity: [f32; 3]| Light::Spot {
+            position: position.into(),
+            direction: direction.into(),
+            intensity: intensity.into(),
+            inner: 15f32.to_radians(),
+            outer: 20f32.to_radians(),
+            falloff: SpotFalloff::Angle,
+        };
+        assert_eq!(at(0)[0], spot([0., 4., 0.], [0., -1., 0.], [2., 2., 2.]));
+        assert_eq!(at(1)[0], spot([0., 4., 0.], [0., -1., 0.], [3., 1., 2.]));
+        assert_eq!(at(9)[0], spot([4., 0., 0.], [-1., 0., 0.], [4., 0., 2.]));
+        assert_eq!(at(0)[1], Light::Directional { direction: Vec3::NEG_X, irradiance: Vec3::new(1.0, 2.0, 3.0) });
+        let direction = |frame: u32| match at(frame)[2] {
+            Light::Directional { direction, .. } => direction,
+            ref other => panic!("{other:?}"),
+        };
+        assert!((direction(1) - Vec3::new(0.5f32.sqrt(), -(0.5f32.sqrt()), 0.0)).length() < 1e-6);
+        assert_eq!(direction(3), Vec3::NEG_Y, "halfway between opposite directions the light keeps its own");
+    }
+}
