@@ -111,6 +111,9 @@ fn encode(width: u32, height: u32, layers: Vec<Layer>, metadata: &[(&str, String
     Ok(bytes.into_inner())
 }
 
+/// Images that would take more than this are not read: 16,384 x 16,384 pixels of four channels fit.
+const MAX_DECODED_BYTES: u128 = 4 << 30;
+
 /// An image as it was read: all channels of its first part as 32-bit numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Exr {
@@ -127,13 +130,28 @@ pub struct Exr {
 /// # Errors
 /// `BadInput` with the path and what is wrong with the file.
 pub fn read_exr(path: &Path) -> Result<Exr> {
+    let name = path.display();
+    let bytes = std::fs::read(path).map_err(|error| fail!(BadInput, "{name}: cannot be read ({error})"))?;
+    let refuse = |error: ::exr::error::Error| fail!(BadInput, "{name}: is not an OpenEXR image that can be read ({error})");
+    let meta = e::MetaData::read_from_buffered(Cursor::new(&bytes), false).map_err(refuse)?;
+    for header in &meta.headers {
+        // No compression of even a black image shrinks as much: such a header lies, and believing it takes all memory.
+        let limit = (bytes.len() as u128 * 16_384).min(MAX_DECODED_BYTES);
+        let pixels = header.layer_size.width() as u128 * header.layer_size.height() as u128;
+        if pixels * header.channels.list.len() as u128 * 4 > limit {
+            return Err(fail!(
+                BadInput,
+                "{name}: is damaged or too large ({} x {} pixels in {} bytes)",
+                header.layer_size.width(),
+                header.layer_size.height(),
+                bytes.len()
+            ));
+        }
+    }
     let read = e::read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
-    let image = read.from_file(path).map_err(|error| match error {
-        ::exr::error::Error::Io(error) => fail!(BadInput, "{}: cannot be read ({error})", path.display()),
-        error => fail!(BadInput, "{}: is not an OpenEXR image that can be read ({error})", path.display()),
-    })?;
+    let image = read.from_buffered(Cursor::new(&bytes)).map_err(refuse)?;
     let layer = image.layer_data;
-    let dimension = |n: usize| u32::try_from(n).map_err(|_| fail!(BadInput, "{}: {n} pixels a side are too many", path.display()));
+    let dimension = |n: usize| u32::try_from(n).map_err(|_| fail!(BadInput, "{name}: {n} pixels a side are too many"));
     let comments = layer.attributes.comments.as_ref().map(|text| String::from_utf8_lossy(text.bytes()).into_owned());
     let channels = layer.channel_data.list.iter().map(|channel| (channel.name.to_string(), channel.sample_data.values_as_f32().collect()));
     Ok(Exr {
@@ -224,6 +242,45 @@ mod tests {
             assert_eq!(exit_code(&error), Exit::BadInput);
             assert!(error.to_string().contains(name), "{error}");
         }
+    }
+
+    #[test]
+    fn a_black_image_is_not_taken_for_a_lie() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("black.exr");
+        let black = Layer { name: String::new(), channels: vec![("R".into(), Samples::half(vec![0.0; 4096 * 1024]))] };
+        write_exr(&path, 4096, 1024, vec![black], &[]).unwrap();
+        assert!(read_exr(&path).unwrap().channels["R"].iter().all(|&v| v == 0.0));
+    }
+
+    #[test]
+    fn a_header_that_promises_terabytes_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lie.exr");
+        let mut bytes = encode(WIDTH, HEIGHT, layers(), &[]).unwrap();
+        for window in [&b"dataWindow\0box2i\0"[..], b"displayWindow\0box2i\0"] {
+            let at = bytes.windows(window.len()).position(|bytes| bytes == window).unwrap() + window.len() + 4;
+            bytes[at + 8..at + 12].copy_from_slice(&1_000_000_i32.to_le_bytes());
+            bytes[at + 12..at + 16].copy_from_slice(&1_000_000_i32.to_le_bytes());
+        }
+        std::fs::write(&path, bytes).unwrap();
+        let error = read_exr(&path).unwrap_err();
+        assert!(error.to_string().contains("lie.exr: is damaged or too large (1000001 x 1000001 pixels"), "{error}");
+    }
+
+    #[test]
+    fn a_flipped_bit_anywhere_ends_in_an_image_or_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("flipped.exr");
+        let good = encode(8, 8, vec![Layer::interleaved("", "R", 1, &[0.5; 64], Precision::Half)], &[("a", "b".into())]).unwrap();
+        let mut refused = 0;
+        for at in 0..good.len() {
+            let mut bytes = good.clone();
+            bytes[at] ^= 0x11;
+            std::fs::write(&path, bytes).unwrap();
+            refused += usize::from(read_exr(&path).is_err());
+        }
+        assert!(refused > 0 && refused < good.len(), "{refused} of {} refused", good.len());
     }
 
     #[test]
