@@ -7,6 +7,7 @@
 pub mod builder;
 pub mod gltf;
 pub mod pack;
+pub mod tangents;
 
 use glam::{Affine3A, Mat2, Vec2, Vec3};
 

@@ -4,7 +4,7 @@ use super::accessors::Attribute;
 use super::materials::{Materials, Used};
 use super::nodes::PlacedMesh;
 use super::{File, Warning, Warnings, label, refuse};
-use crate::scene::{Aabb, Draw, Scene, Vertex, pack};
+use crate::scene::{Aabb, Draw, Map, Scene, Vertex, pack, tangents};
 use anyhow::{Context, Result};
 use glam::{Vec3, Vec4};
 use gltf_json::accessor::Accessor;
@@ -17,9 +17,9 @@ use std::collections::HashMap;
 const MAX_DISTANCE: f32 = 1e9;
 /// Draws of a scene, so that a small file in which many nodes show many primitives does not fill the memory.
 const MAX_DRAWS: usize = 1 << 20;
-/// Vertices of a scene (4 GiB of them), and as many indices as 32 bits can count.
-const MAX_VERTICES: usize = 1 << 27;
-const MAX_INDICES: usize = u32::MAX as usize;
+/// Vertices and indices of a scene (2 GiB each).
+const MAX_VERTICES: usize = 1 << 26;
+const MAX_INDICES: usize = 1 << 29;
 
 /// Everything that a range of vertices is made from. Primitives that agree in it share the range.
 #[derive(Clone, PartialEq, Eq, Hash)]
@@ -187,6 +187,12 @@ impl Builder<'_> {
                 if key.vertices.normals.is_none() {
                     make_flat(&mut vertices, &mut indices);
                 }
+                if let Some(map) = normal_map(self.scene, &key.vertices) {
+                    tangents::fill(&mut vertices, &mut indices, |uv| map.matrix * uv + map.offset);
+                    if key.mirrored {
+                        vertices.iter_mut().for_each(|vertex| vertex.tangent = pack::mirrored_tangent(vertex.tangent));
+                    }
+                }
                 self.append(vertices)?
             }
         };
@@ -263,6 +269,11 @@ impl Builder<'_> {
         }
         Ok(vertices)
     }
+}
+
+/// The normal map that vertices need tangents made for.
+fn normal_map(scene: &Scene, key: &VertexKey) -> Option<Map> {
+    scene.materials[key.corners.as_ref()?.material? as usize].normal_map
 }
 
 /// An attribute of `count` elements, or nothing where it is not there.

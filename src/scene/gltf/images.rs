@@ -62,7 +62,7 @@ fn texels(file: &File<'_>, image: &Image, decoded: &AtomicU64) -> Result<(u32, u
 fn finish(decoder: image::ImageResult<impl ImageDecoder>, encoded: usize, decoded: &AtomicU64) -> Result<(u32, u32, Vec<u8>)> {
     let decoder = match decoder {
         Ok(decoder) => decoder,
-        Err(error) => refuse!("it does not decode: {error}"),
+        Err(error) => refuse!("it does not decode: {}", one_line(&error)),
     };
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
@@ -77,8 +77,13 @@ fn finish(decoder: image::ImageResult<impl ImageDecoder>, encoded: usize, decode
     }
     match DynamicImage::from_decoder(decoder) {
         Ok(image) => Ok((width, height, image.into_rgba8().into_raw())),
-        Err(error) => refuse!("it does not decode: {error}"),
+        Err(error) => refuse!("it does not decode: {}", one_line(&error)),
     }
+}
+
+/// A decoder's message, which may come in several lines.
+fn one_line(error: &image::ImageError) -> String {
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// The bytes of the PNG or JPEG.
