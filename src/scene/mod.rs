@@ -5,8 +5,10 @@
 //! coordinate system is right-handed, and light is in the radiometric units of the README.
 
 pub mod builder;
+pub mod device;
 pub mod gltf;
 pub mod pack;
+pub mod projection;
 pub mod view;
 pub mod tangents;
 

@@ -67,6 +67,11 @@ impl View {
         }
     }
 
+    /// Whether some of a box may be in the picture.
+    pub fn sees(&self, bounds: Aabb) -> bool {
+        sees(&self.view_projection, bounds)
+    }
+
     /// World position of a pixel's centre at a depth of the depth image, which must not be 0.
     pub fn position_at(&self, x: u32, y: u32, depth: f32) -> Vec3 {
         let ndc = (Vec2::new(x as f32, y as f32) + 0.5) / Vec2::new(self.width as f32, self.height as f32) * 2.0 - 1.0;
@@ -88,6 +93,13 @@ fn perspective(position: Vec3, forward: Vec3, right: Vec3, up: Vec3, near: f32) 
     let row = |axis: Vec3| axis.extend(-axis.dot(position));
     let (x, y) = (row(right / right.length_squared()), -row(up / up.length_squared()));
     Mat4::from_cols(x, y, Vec4::new(0.0, 0.0, 0.0, near), row(forward)).transpose()
+}
+
+/// False only where all corners of a box are outside one and the same side of the clip volume.
+fn sees(matrix: &[[f32; 4]; 4], bounds: Aabb) -> bool {
+    let corners = bounds.corners().map(|corner| Mat4::from_cols_array_2d(matrix) * corner.extend(1.0));
+    let outside: [fn(Vec4) -> bool; 5] = [|c| c.x < -c.w, |c| c.x > c.w, |c| c.y < -c.w, |c| c.y > c.w, |c| c.z > c.w];
+    !outside.iter().any(|side| corners.iter().all(|c| side(*c)))
 }
 
 impl Projector {
@@ -184,6 +196,11 @@ impl Projector {
             power: irradiance.into(),
             texel_area: 4.0 * half_width * half_height / (size[0] as f32 * size[1] as f32),
         }
+    }
+
+    /// Whether some of a box may be in the map.
+    pub fn sees(&self, bounds: Aabb) -> bool {
+        sees(&self.world_to_clip, bounds)
     }
 
     /// World position of a point of the map, ndc in [-1, 1] with y down, at a depth that is not 0.
