@@ -1,7 +1,12 @@
 //! manylight: real-time many-light global illumination on raw Vulkan.
 #![deny(unsafe_code)]
 
+pub mod cache;
 pub mod cli;
 pub mod config;
 pub mod error;
+pub mod gpu;
+pub mod graph;
+pub mod output;
+pub mod report;
 pub mod scene;

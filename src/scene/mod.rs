@@ -5,8 +5,10 @@
 //! coordinate system is right-handed, and light is in the radiometric units of the README.
 
 pub mod builder;
+pub mod gltf;
 pub mod pack;
 pub mod view;
+pub mod tangents;
 
 use glam::{Affine3A, Mat2, Vec2, Vec3};
 
