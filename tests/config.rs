@@ -143,6 +143,7 @@ fn every_mistake_gets_a_sentence_with_file_line_and_key() {
         ),
         ("[[light]]\nkind = 3", "x.toml:2: light.0.kind: expects a name, found the whole number 3"),
         // TOML itself.
+        ("\u{feff}\r\n[gather]\r\ninterleave = 3\r\n", "x.toml:3: gather.interleave: 3 is out of range"),
         ("[gather]\ninterleave = = 2", "x.toml:2, column 14: not valid TOML: "),
         ("[gather\n", "x.toml:1, column 8: not valid TOML: "),
         ("[gather]\ninterleave = 2\ninterleave = 4", "x.toml:3, column 1: not valid TOML: duplicate key"),
@@ -317,6 +318,7 @@ fn mistakes_in_a_base_are_found_in_the_base() {
             ("self.toml", "base = \"./self.toml\""),
             ("lost.toml", "\nbase = \"nowhere.toml\""),
             ("folder.toml", "base = \"presets\""),
+            ("control.toml", "base = \"a\\nb\\u0000\""),
             ("syntax.toml", "base = \"broken.toml\""),
             ("broken.toml", "[gather]\n=\n"),
             ("scene.toml", "[scene]\nfile = \"nowhere.glb\"\n"),
@@ -334,6 +336,7 @@ fn mistakes_in_a_base_are_found_in_the_base() {
         ("self.toml", "self.toml:1: base: the chain of bases is a circle: self.toml -> ./self.toml"),
         ("lost.toml", "lost.toml:2: base: nowhere.toml: there is no such file"),
         ("folder.toml", "folder.toml:1: base: presets: is not a file"),
+        ("control.toml", "control.toml:1: base: a\\nb\\0: cannot be read"),
         ("syntax.toml", "broken.toml:2, column 1: not valid TOML"),
         ("missing.toml", "missing.toml: there is no such file"),
         ("presets", "presets: is not a file"),
@@ -360,83 +363,8 @@ fn paths_start_from_the_file_that_says_them_and_from_the_current_folder_for_set(
     assert_eq!(here, std::env::current_dir().unwrap().join("box.glb"));
 }
 
-/// A config that sets every key there is to something other than its default.
-const FULL: &str = r#"
-[scene]
-builtin = "atrium"
-triangles = 123_456
-seed = 4294967295
-[camera]
-up = [0, 2, 0.1]
-fov_y_deg = 33.3
-interpolation = "catmull-rom"
-keyframes = [
-    { time = 0, position = [0.1, 0.2, 0.3], target = [1, 0, 0] },
-    { time = 1.1, position = [1, 0, 0], target = [2, 0, 0], fov_y_deg = 40 },
-]
-[[light]]
-kind = "directional"
-position = [0, 9.7, 0]
-target = [1, 0, 0]
-irradiance = [20.1, 3e-7, 1e8]
-keyframes = [{ time = 0.1, irradiance = [1, 1, 1], position = [0, 1, 2], target = [1, 1, 1] }]
-[[light]]
-kind = "directional"
-direction = [1, -2, 3]
-irradiance = [1, 1, 1]
-keyframes = [{ time = 0, direction = [0, -1, 0] }]
-[[light]]
-kind = "spot"
-position = [0, 3, 0]
-target = [0, 0, 0.7]
-intensity = [1.3, 2, 3]
-inner_deg = 5
-outer_deg = 20.7
-keyframes = [{ time = 0, intensity = [1, 0, 0] }, { time = 2, position = [0, 4, 0] }]
-[[light]]
-kind = "point"
-position = [0, 1, 0]
-intensity = [1, 1, 1]
-keyframes = [{ time = 0, position = [0, 0, 0] }]
-[[light]]
-kind = "environment"
-radiance = [0.1, 0.2, 0.3]
-[frame]
-size = [321, 123]
-count = 7
-warmup = 0
-fps = 23.976
-seed = 5
-timing = "serial"
-[materials]
-dielectric = "ggx"
-[rsm]
-size = [1024, 256]
-box = { min = [-1, 0, -1], max = [1, 2.5, 1] }
-[vpls]
-sampler = "regular"
-count = 77
-[visibility]
-method = "none"
-[gather]
-method = "per-pixel"
-interleave = 2
-min_distance = 0.05
-[filter]
-kind = "none"
-radius = 3
-normal_threshold_deg = 12.5
-plane_distance = 0.1
-[direct]
-shadows = "percentage-closer"
-bias = 0.013
-blur = 2
-[compose]
-exposure = 0.7
-tonemap = "none"
-[output]
-layers = ["depth", "albedo"]
-"#;
+/// A config that sets every key that goes with the atrium to something other than its default.
+const FULL: &str = include_str!("fuzz/seeds/config/full.toml");
 
 #[test]
 fn a_resolved_config_is_written_as_toml_that_loads_to_the_same_value() {

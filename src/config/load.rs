@@ -22,7 +22,7 @@ pub fn load(path: &Path, overrides: &[String]) -> Result<Config> {
     let (config, root) = resolve(&read(path)?, path, overrides)?;
     if let Some(file) = config.scene.file.as_ref().filter(|file| !file.is_file()) {
         let what = if file.exists() { "is not a file" } else { "does not exist" };
-        return Err(rules::error_at(&root, "scene.file", format_args!("{} {what}", file.display())));
+        return Err(rules::error_at(&root, "scene.file", format_args!("{} {what}", shown(file))));
     }
     Ok(config)
 }
@@ -51,7 +51,7 @@ fn resolve(text: &str, path: &Path, overrides: &[String]) -> Result<(Config, Nod
     scene_path(table)?;
     let mut config = match Config::deserialize(root.clone().into_toml()) {
         Ok(config) => config,
-        Err(error) => return Err(fail!(BadInput, "{}: {}", path.display(), error.to_string().replace('\n', " "))),
+        Err(error) => unreachable!("the list of keys lets through what the types refuse: {error}"),
     };
     if config.scene.file.is_some() {
         config.scene.builtin = None;
@@ -65,7 +65,7 @@ fn chain(text: &str, path: &Path) -> Result<Node> {
     let mut files = vec![path.to_path_buf()];
     let (mut root, mut base) = document(text, path, MOST_FILES)?;
     while let Some((origin, base_path)) = base {
-        let names = || files.iter().chain([&base_path]).map(|file| file.display().to_string()).collect::<Vec<_>>().join(" -> ");
+        let names = || files.iter().chain([&base_path]).map(|file| shown(file)).collect::<Vec<_>>().join(" -> ");
         let same = |file: &PathBuf| match (file.canonicalize(), base_path.canonicalize()) {
             (Ok(file), Ok(base)) => file == base,
             _ => file == &base_path,
@@ -89,7 +89,7 @@ fn chain(text: &str, path: &Path) -> Result<Node> {
 /// One file's tree and, apart from it, the base that it names.
 fn document(text: &str, path: &Path, layer: usize) -> Result<(Node, Option<(Origin, PathBuf)>)> {
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-    let source = Rc::new(Source { name: path.display().to_string(), folder: folder.clone(), layer });
+    let source = Rc::new(Source { name: shown(path), folder: folder.clone(), layer });
     let lines = Lines::new(source.clone(), text);
     let table = DeTable::parse(text).map_err(|error| {
         let start = error.span().map_or(text.len(), |span| span.start);
@@ -105,8 +105,14 @@ fn document(text: &str, path: &Path, layer: usize) -> Result<(Node, Option<(Orig
     Ok((Node { origin: Origin { source, line: 0 }, value: Value::Table(table) }, base))
 }
 
+/// A path on one line, whatever is in it.
+fn shown(path: &Path) -> String {
+    let text = path.display().to_string();
+    if text.contains(char::is_control) { text.escape_debug().to_string() } else { text }
+}
+
 fn read(path: &Path) -> Result<String> {
-    let shown = path.display();
+    let shown = shown(path);
     let metadata = path.metadata().map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => fail!(BadInput, "{shown}: there is no such file"),
         _ => fail!(BadInput, "{shown}: cannot be read: {error}"),
