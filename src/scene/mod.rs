@@ -5,7 +5,9 @@
 //! coordinate system is right-handed, and light is in the radiometric units of the README.
 
 pub mod builder;
+pub mod builtin;
 pub mod pack;
+pub mod tangents;
 
 use glam::{Affine3A, Mat2, Vec2, Vec3};
 
