@@ -61,7 +61,7 @@ fn pair(seed: u32, plan: &Plan) -> Mesh {
         let mirror = if hand == 0 { 1.0 } else { -1.0 };
         let shape = |u: f32, v: f32| {
             // Full width at the rod, gathered at the tie, falling open again below.
-            let above = (v / tie).min(1.0);
+            let above = (v / tie).clamp(0.0, 1.0);
             let width = if v < tie { 1.16 - 0.94 * above.powf(1.7) } else { 0.22 + 0.2 * step(tie, 1.0, v) };
             let gather = 1.0 - width / 1.16;
             let sag = 0.22 * (above * PI).sin() * u * u;
@@ -74,7 +74,7 @@ fn pair(seed: u32, plan: &Plan) -> Mesh {
             let y = ROD - 0.01 - 2.28 * v + sag * -0.5;
             Vec3::new(mirror * x, y, z)
         };
-        let cells = [plan.detail.count(56.0, 7), plan.detail.count(22.0, 4)];
+        let cells = [plan.detail.count(56.0, 5), plan.detail.count(22.0, 3)];
         mesh.surface(cells, hand == 1, shape, |u, v| Vec2::new(u * 2.4, v * 2.4) * 1.6);
     }
     mesh
