@@ -5,12 +5,13 @@
 //! coordinate system is right-handed, and light is in the radiometric units of the README.
 
 pub mod builder;
+pub mod builtin;
 pub mod device;
 pub mod gltf;
 pub mod pack;
 pub mod projection;
-pub mod view;
 pub mod tangents;
+pub mod view;
 
 use glam::{Affine3A, Mat2, Vec2, Vec3};
 

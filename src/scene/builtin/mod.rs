@@ -1,0 +1,28 @@
+//! Scenes made by code: nothing to load, the same bytes on every run.
+
+mod atrium;
+mod cornell;
+mod noise;
+mod profile;
+mod shapes;
+mod texels;
+
+pub use atrium::{Atrium, atrium};
+pub use cornell::cornell;
+
+/// How finely curved things are divided; 1 is the default scene's.
+#[derive(Debug, Clone, Copy)]
+struct Detail(f32);
+
+impl Detail {
+    /// The number of divisions of something that has `full` of them at detail 1, at least `least`.
+    fn count(self, full: f32, least: usize) -> usize {
+        ((full * self.0).round() as usize).max(least)
+    }
+
+    /// Whether something small is worth its triangles: it is from the given level on. Levels lie apart, so that the
+    /// number of triangles grows in small steps.
+    fn shows(self, from: f32) -> bool {
+        self.0 > from
+    }
+}
