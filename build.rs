@@ -18,7 +18,9 @@ const ARCHIVES: [&str; 9] = [
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    println!("cargo::rerun-if-changed=glsl"); // embedded: a new file must be seen
+    for embedded in ["glsl", "configs"] {
+        println!("cargo::rerun-if-changed={embedded}"); // so that a new file is seen
+    }
     println!("cargo::rerun-if-env-changed=SHADERC_LIB_DIR");
     if std::env::var_os("SHADERC_LIB_DIR").is_some() {
         return;

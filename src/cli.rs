@@ -1,6 +1,7 @@
 //! The command line, parsed and nothing else.
 
 use crate::config::{TimingMode, choices};
+use crate::gpu::DeviceChoice;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
@@ -61,16 +62,6 @@ pub struct RenderArgs {
     pub quiet: bool,
 }
 
-/// Which device renders.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum DeviceChoice {
-    /// The first software device.
-    Cpu,
-    Index(usize),
-    /// Part of the device's name, in any case.
-    Name(String),
-}
-
 impl RenderArgs {
     /// Where the results go: `--output`, or `out/` and the config's name without its ending.
     pub fn output(&self) -> PathBuf {
@@ -128,8 +119,7 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 fn device(text: &str) -> Result<DeviceChoice, String> {
     match text.trim() {
         "" => Err("expects a part of the device's name, its index, or cpu".to_owned()),
-        "cpu" => Ok(DeviceChoice::Cpu),
-        text => Ok(text.parse().map_or_else(|_| DeviceChoice::Name(text.to_owned()), DeviceChoice::Index)),
+        text => Ok(DeviceChoice::parse(text)),
     }
 }
 

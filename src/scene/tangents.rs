@@ -1,8 +1,8 @@
 //! Tangents for normal maps, by Mikkelsen's algorithm, which the tools that make normal maps use as well.
 
-use super::{Scene, Vertex, pack};
+use super::{Map, Scene, Vertex, pack};
 use bevy_mikktspace::{Geometry, TangentSpace};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::collections::{HashMap, HashSet};
 
 /// Gives the vertices that normal-mapped materials draw their tangents, where they have none yet: a vertex whose `tangent`
@@ -15,19 +15,21 @@ pub fn fill(scene: &mut Scene) {
     for i in 0..scene.draws.len() {
         let draw = &scene.draws[i];
         let range = (draw.first_index, draw.index_count, draw.vertex_offset);
-        if scene.materials[draw.material as usize].normal_map.is_some() && done.insert(range) {
-            fill_range(scene, range);
+        if let Some(map) = scene.materials[draw.material as usize].normal_map
+            && done.insert(range)
+        {
+            fill_range(scene, range, map);
         }
     }
 }
 
-fn fill_range(scene: &mut Scene, (first_index, index_count, vertex_offset): (u32, u32, u32)) {
+fn fill_range(scene: &mut Scene, (first_index, index_count, vertex_offset): (u32, u32, u32), map: Map) {
     let range = first_index as usize..(first_index + index_count) as usize;
     let indices: Vec<usize> = scene.indices[range.clone()].iter().map(|&i| (vertex_offset + i) as usize).collect();
     if indices.iter().all(|&i| scene.vertices[i].tangent != 0) {
         return;
     }
-    let mut triangles = Triangles { vertices: &scene.vertices, indices: &indices, corners: vec![0; indices.len()] };
+    let mut triangles = Triangles { vertices: &scene.vertices, indices: &indices, map, corners: vec![0; indices.len()] };
     if let Err(error) = bevy_mikktspace::generate_tangents(&mut triangles) {
         unreachable!("this version's error type has no values: {error}");
     }
@@ -53,6 +55,7 @@ struct Triangles<'a> {
     vertices: &'a [Vertex],
     /// Three a triangle, into `vertices`.
     indices: &'a [usize],
+    map: Map,
     /// The packed tangent of each of them, never 0.
     corners: Vec<u32>,
 }
@@ -80,10 +83,10 @@ impl Geometry for Triangles<'_> {
         pack::octahedral_snorm16_inverse(self.vertex(face, corner).normal).into()
     }
 
-    /// With v upwards: glTF's normal maps have green point up in the image, while its v goes down.
+    /// Where the map is looked up, with v upwards: glTF's normal maps have green point up in the image, while its v goes down.
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
-        let [u, v] = self.vertex(face, corner).uv;
-        [u, 1.0 - v]
+        let uv = self.map.matrix * Vec2::from(self.vertex(face, corner).uv) + self.map.offset;
+        [uv.x, 1.0 - uv.y]
     }
 
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
@@ -101,9 +104,9 @@ impl Geometry for Triangles<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Material;
     use crate::scene::builder::Mesh;
-    use crate::scene::{Map, Material};
-    use glam::{Affine3A, Vec2};
+    use glam::{Affine3A, Mat2};
 
     fn wall(uvs: [Vec2; 4]) -> (Mesh, Scene) {
         let mut mesh = Mesh::default();
@@ -139,6 +142,17 @@ mod tests {
         fill(&mut scene);
         let (tangent, handedness) = unpacked(scene.vertices[0].tangent);
         assert!(tangent.distance(Vec3::NEG_X) < 1e-3 && handedness < 0.0, "{tangent} {handedness}");
+    }
+
+    #[test]
+    fn a_picture_that_its_map_turns_has_its_tangent_turned() {
+        let (mesh, mut scene) = wall(UPRIGHT);
+        // u becomes v, and the picture's right goes down the wall.
+        scene.materials[0].normal_map = Some(Map { matrix: Mat2::from_cols(Vec2::Y, Vec2::X), ..Map::new(0) });
+        scene.add_mesh(&mesh, 0, &[Affine3A::IDENTITY]);
+        fill(&mut scene);
+        let (tangent, handedness) = unpacked(scene.vertices[0].tangent);
+        assert!(tangent.distance(Vec3::NEG_Y) < 1e-3 && handedness < 0.0, "{tangent} {handedness}");
     }
 
     #[test]
