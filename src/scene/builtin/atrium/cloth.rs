@@ -53,11 +53,13 @@ fn rod(plan: &Plan) -> Mesh {
 /// The two curtains of a bay, each drawn to its column and tied there.
 fn pair(seed: u32, plan: &Plan) -> Mesh {
     let mut mesh = Mesh::default();
+    let cells = [plan.detail.count(56.0, 5), plan.detail.count(22.0, 3)];
     for hand in [0u32, 1] {
         let mut random = Random::new(seed ^ hand << 16);
         let phase = random.range(0.0, TAU);
         let tie = random.range(0.52, 0.58);
-        let folds = 7.0 + random.range(-0.5, 0.5);
+        // No more folds than the mesh can follow.
+        let folds = (7.0 + random.range(-0.5, 0.5)).min(0.25 * cells[0] as f32);
         let mirror = if hand == 0 { 1.0 } else { -1.0 };
         let shape = |u: f32, v: f32| {
             // Full width at the rod, gathered at the tie, falling open again below.
@@ -74,7 +76,6 @@ fn pair(seed: u32, plan: &Plan) -> Mesh {
             let y = ROD - 0.01 - 2.28 * v + sag * -0.5;
             Vec3::new(mirror * x, y, z)
         };
-        let cells = [plan.detail.count(56.0, 5), plan.detail.count(22.0, 3)];
         mesh.surface(cells, hand == 1, shape, |u, v| Vec2::new(u * 2.4, v * 2.4) * 1.6);
     }
     mesh
