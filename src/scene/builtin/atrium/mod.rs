@@ -20,7 +20,7 @@ mod textures;
 
 use super::Detail;
 use crate::scene::builder::Mesh;
-use crate::scene::{Camera, Light, Scene, tangents};
+use crate::scene::{Camera, Light, Scene};
 use glam::{Affine3A, Quat, Vec3};
 use materials::Palette;
 use rayon::prelude::*;
@@ -197,7 +197,6 @@ pub fn atrium(knobs: &Atrium) -> Scene {
     for part in parts_of_size(knobs, palette) {
         scene.add_mesh(&part.mesh, part.material, &part.transforms);
     }
-    tangents::fill(&mut scene);
     scene.lights.push(Light::Directional { direction: Vec3::new(0.34, -1.0, 0.25).normalize(), irradiance: Vec3::new(22.0, 20.5, 18.0) });
     scene.cameras.push(Camera {
         name: "court".into(),
