@@ -20,7 +20,7 @@ mod textures;
 
 use super::Detail;
 use crate::scene::builder::Mesh;
-use crate::scene::{Camera, Light, Scene, tangents};
+use crate::scene::{Camera, Light, Scene};
 use glam::{Affine3A, Quat, Vec3};
 use materials::Palette;
 use rayon::prelude::*;
@@ -197,12 +197,11 @@ pub fn atrium(knobs: &Atrium) -> Scene {
     for part in parts_of_size(knobs, palette) {
         scene.add_mesh(&part.mesh, part.material, &part.transforms);
     }
-    tangents::fill(&mut scene);
-    scene.lights.push(Light::Directional { direction: Vec3::new(0.34, -1.0, 0.30).normalize(), irradiance: Vec3::new(22.0, 20.5, 18.0) });
+    scene.lights.push(Light::Directional { direction: Vec3::new(0.34, -1.0, 0.25).normalize(), irradiance: Vec3::new(22.0, 20.5, 18.0) });
     scene.cameras.push(Camera {
         name: "court".into(),
-        position: Vec3::new(-11.2, 2.3, -1.1),
-        target: Vec3::new(8.0, 3.5, 0.6),
+        position: Vec3::new(-11.3, 2.2, 0.9),
+        target: Vec3::new(6.0, 3.2, -1.0),
         up: Vec3::Y,
         fov_y_deg: 60.0,
     });

@@ -9,7 +9,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3};
 pub fn parts(plan: &Plan) -> Vec<Part> {
     let palette = &plan.palette;
     let mut trees = Vec::new();
-    for (x, z, turn) in [(-4.5, -2.1, 0.3), (-4.5, 2.1, 2.1), (4.5, -2.1, 4.4), (4.5, 2.1, 1.2), (-7.5, 2.75, 3.3), (7.5, -2.75, 5.1)] {
+    for (x, z, turn) in [(-4.5, -2.1, 0.3), (-4.5, 2.1, 2.1), (4.5, -2.1, 4.4), (4.5, 2.1, 1.2), (8.6, 2.75, 3.3), (8.6, -2.75, 5.1)] {
         trees.push(Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), Vec3::new(x, 0.0, z)));
     }
     let mut agaves = Vec::new();
