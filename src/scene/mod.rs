@@ -5,6 +5,7 @@
 //! coordinate system is right-handed, and light is in the radiometric units of the README.
 
 pub mod builder;
+pub mod builtin;
 pub mod gltf;
 pub mod pack;
 pub mod tangents;

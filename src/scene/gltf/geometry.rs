@@ -4,7 +4,7 @@ use super::accessors::Attribute;
 use super::materials::{Materials, Used};
 use super::nodes::PlacedMesh;
 use super::{File, Warning, Warnings, label, refuse};
-use crate::scene::{Aabb, Draw, Map, Scene, Vertex, pack, tangents};
+use crate::scene::{Aabb, Draw, Scene, Vertex, pack};
 use anyhow::{Context, Result};
 use glam::{Vec3, Vec4};
 use gltf_json::accessor::Accessor;
@@ -29,6 +29,7 @@ struct VertexKey {
     tangents: Option<usize>,
     uvs: Option<(u32, usize)>,
     colors: Option<usize>,
+    /// Given tangents get the other handedness: a mirrored node turns right hands into left ones.
     mirrored_tangents: bool,
     /// Where corners get vertices of their own: flat normals and tangents depend on the triangles.
     corners: Option<Corners>,
@@ -73,11 +74,13 @@ struct Builder<'a> {
     warnings: &'a mut Warnings,
     vertices: HashMap<VertexKey, Vertices>,
     triangles: HashMap<IndexKey, Option<Triangles>>,
+    /// Corners of triangles whose tangents are still to be made.
+    corners: usize,
 }
 
-/// Adds all meshes to the scene.
+/// Adds all meshes to the scene. Where a normal map needs tangents that the file does not have, they are left at 0.
 pub fn build(file: &File<'_>, meshes: &[PlacedMesh], materials: &Materials, scene: &mut Scene, warnings: &mut Warnings) -> Result<()> {
-    let mut builder = Builder { file, scene, warnings, vertices: HashMap::new(), triangles: HashMap::new() };
+    let mut builder = Builder { file, scene, warnings, vertices: HashMap::new(), triangles: HashMap::new(), corners: 0 };
     for placed in meshes {
         let mesh = file.get(placed.mesh, "mesh")?;
         builder.mesh(mesh, placed, materials).with_context(|| label("mesh", placed.mesh.value(), mesh.name.as_ref()))?;
@@ -92,9 +95,8 @@ impl Builder<'_> {
             let Some(triangles) = self.primitive(primitive, material, placed.mirrored).with_context(|| format!("primitive {i}"))? else {
                 continue;
             };
-            let reach = |corner: Vec3| placed.transform.transform_point3(corner).abs().max_element();
-            // Not a maximum: NaN must not pass.
-            if !triangles.bounds.corners().into_iter().all(|corner| reach(corner) <= MAX_DISTANCE) {
+            let near = |corner| placed.transform.transform_point3(corner).abs().cmple(Vec3::splat(MAX_DISTANCE)).all();
+            if !triangles.bounds.corners().into_iter().all(near) {
                 refuse!("at node {} it reaches farther than {MAX_DISTANCE:e} m from the origin", placed.node);
             }
             if self.scene.draws.len() == MAX_DRAWS {
@@ -180,18 +182,16 @@ impl Builder<'_> {
                 triangulate(usize::try_from(count)?, mode, |i| i as u32)
             }
         };
-        let range = match key.vertices.corners {
+        let range = match &key.vertices.corners {
             None => self.shared_vertices(&key.vertices)?,
-            Some(_) => {
+            Some(corners) => {
                 let mut vertices = self.read_vertices(&key.vertices)?;
                 if key.vertices.normals.is_none() {
                     make_flat(&mut vertices, &mut indices);
                 }
-                if let Some(map) = normal_map(self.scene, &key.vertices) {
-                    tangents::fill(&mut vertices, &mut indices, |uv| map.matrix * uv + map.offset);
-                    if key.mirrored {
-                        vertices.iter_mut().for_each(|vertex| vertex.tangent = pack::mirrored_tangent(vertex.tangent));
-                    }
+                if corners.material.is_some() {
+                    // Making tangents may split a vertex for each of its triangles.
+                    self.corners += indices.len();
                 }
                 self.append(vertices)?
             }
@@ -225,7 +225,7 @@ impl Builder<'_> {
 
     fn append(&mut self, mut vertices: Vec<Vertex>) -> Result<Vertices> {
         let (offset, count) = (self.scene.vertices.len(), vertices.len());
-        if offset + count > MAX_VERTICES {
+        if offset + count + self.corners > MAX_VERTICES {
             refuse!("with it, the scene has more than {MAX_VERTICES} vertices");
         }
         self.scene.vertices.append(&mut vertices);
@@ -253,7 +253,8 @@ impl Builder<'_> {
             let tangent = tangents.get(i).map_or(0, |&tangent| {
                 let tangent = Vec4::from(tangent);
                 let direction = tangent.truncate().try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
-                pack::tangent(direction, tangent.w * handedness)
+                // 0 stands for a tangent that is still to be made.
+                pack::tangent(direction, tangent.w * handedness).max(1)
             });
             Vertex {
                 position,
@@ -269,11 +270,6 @@ impl Builder<'_> {
         }
         Ok(vertices)
     }
-}
-
-/// The normal map that vertices need tangents made for.
-fn normal_map(scene: &Scene, key: &VertexKey) -> Option<Map> {
-    scene.materials[key.corners.as_ref()?.material? as usize].normal_map
 }
 
 /// An attribute of `count` elements, or nothing where it is not there.

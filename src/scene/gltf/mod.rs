@@ -13,7 +13,7 @@ mod lights;
 mod materials;
 mod nodes;
 
-use super::Scene;
+use super::{Scene, tangents};
 use anyhow::{Context, Result};
 use buffers::Buffers;
 use gltf_json::{Index, Root};
@@ -140,6 +140,7 @@ fn read(bytes: &[u8], base: Option<&Path>, name: &str, choice: Option<&SceneChoi
     let materials = materials::read(&file, &placed.meshes, &mut scene, &mut warnings)?;
     images::decode(&file, &materials.images, &mut scene)?;
     geometry::build(&file, &placed.meshes, &materials, &mut scene, &mut warnings)?;
+    tangents::fill(&mut scene);
     if scene.draws.is_empty() {
         refuse!("the scene has no triangles");
     }

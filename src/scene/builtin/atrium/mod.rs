@@ -1,0 +1,233 @@
+//! A two-storey colonnaded court: round columns and arches, vaulted galleries below and timbered ones above, drapes, orange
+//! trees and a fountain, under an open sky.
+//!
+//! Every part is a function from a level of detail to meshes; [`atrium`] looks for the level at which the triangles drawn
+//! add up to the number asked for. Measures that several parts share are constants here.
+
+mod arcade;
+mod balustrade;
+mod cloth;
+mod column;
+mod court;
+mod gallery;
+mod lantern;
+mod materials;
+mod plants;
+mod roof;
+mod textures;
+
+use super::Detail;
+use crate::scene::builder::Mesh;
+use crate::scene::{Camera, Light, Scene, tangents};
+use glam::{Affine3A, Quat, Vec3};
+use materials::Palette;
+use rayon::prelude::*;
+use std::f32::consts::FRAC_PI_2;
+use std::ops::RangeInclusive;
+
+/// Distance of the columns' axes.
+const PITCH: f32 = 3.0;
+/// Bays of the long and of the short side.
+const BAYS: [usize; 2] = [8, 3];
+/// The columns' axes stand on the rectangle of these half-lengths (x, z) around the court.
+const HALF: [f32; 2] = [PITCH * BAYS[0] as f32 / 2.0, PITCH * BAYS[1] as f32 / 2.0];
+/// Half the thickness of the arcades' walls.
+const WALL: f32 = 0.25;
+/// From the columns' axes to the inner face of the outer wall.
+const DEPTH: f32 = 3.4;
+/// Thickness of the outer wall.
+const OUTER_WALL: f32 = 0.5;
+/// Height of the lower gallery's floor above the court's.
+const PLINTH: f32 = 0.16;
+/// Springing lines of the arches: the columns' full height.
+const SPRING: [f32; 2] = [3.25, 7.85];
+/// Radii of the arches.
+const RADIUS: [f32; 2] = [1.15, 1.24];
+/// Floor of the upper gallery.
+const UPPER: f32 = 5.15;
+/// Where the upper columns stand: the pedestals' top, level with the handrail.
+const RAIL: f32 = UPPER + 0.95;
+/// Where the arcades' walls end: under the string course and behind the cornice.
+const WALL_TOP: [f32; 2] = [4.8, 9.6];
+/// The timber ceiling of the upper gallery.
+const CEILING: f32 = 9.3;
+/// Top of the cornice: the eaves.
+const EAVES: f32 = 9.86;
+
+/// The knobs of the built-in court.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Atrium {
+    /// Triangles to be drawn, instances counted; met within 5 %, and kept in [`Atrium::TRIANGLES`].
+    pub triangles: u32,
+    /// Seed of everything irregular: stones, folds, leaves.
+    pub seed: u32,
+}
+
+impl Atrium {
+    pub const TRIANGLES: RangeInclusive<u32> = 10_000..=8_000_000;
+}
+
+impl Default for Atrium {
+    fn default() -> Self {
+        Self { triangles: 260_000, seed: 1 }
+    }
+}
+
+/// A mesh with one material, wherever it stands.
+struct Part {
+    mesh: Mesh,
+    material: u32,
+    transforms: Vec<Affine3A>,
+}
+
+impl Part {
+    fn once(mesh: Mesh, material: u32) -> Self {
+        Self { mesh, material, transforms: vec![Affine3A::IDENTITY] }
+    }
+
+    fn at(mesh: Mesh, material: u32, transforms: Vec<Affine3A>) -> Self {
+        Self { mesh, material, transforms }
+    }
+
+    fn triangles(&self) -> usize {
+        self.mesh.triangle_count() * self.transforms.len()
+    }
+}
+
+/// What a part is built from.
+struct Plan {
+    detail: Detail,
+    seed: u32,
+    palette: Palette,
+}
+
+impl Plan {
+    /// The size of the cells that flat things are divided into.
+    fn cell(&self) -> f32 {
+        (0.75 / self.detail.0).clamp(0.05, 6.0)
+    }
+}
+
+/// One side of the court in a frame of its own: x along the arcade, z into the court, the origin on the ground under the
+/// middle of the columns' axis.
+struct Side {
+    frame: Affine3A,
+    bays: usize,
+}
+
+impl Side {
+    fn all() -> [Self; 4] {
+        std::array::from_fn(|i| {
+            let turn = Quat::from_rotation_y(-FRAC_PI_2 * i as f32);
+            let out = [Vec3::NEG_Z * HALF[1], Vec3::X * HALF[0], Vec3::Z * HALF[1], Vec3::NEG_X * HALF[0]][i];
+            Self { frame: Affine3A::from_rotation_translation(turn, out), bays: BAYS[i % 2] }
+        })
+    }
+
+    /// Half the distance of the corner piers.
+    fn half(&self) -> f32 {
+        self.bays as f32 * PITCH / 2.0
+    }
+
+    fn bay_x(&self, bay: usize) -> f32 {
+        (bay as f32 + 0.5) * PITCH - self.half()
+    }
+
+    fn bay(&self, bay: usize) -> Affine3A {
+        self.frame * Affine3A::from_translation(Vec3::X * self.bay_x(bay))
+    }
+
+    fn bays(&self) -> impl Iterator<Item = Affine3A> + '_ {
+        (0..self.bays).map(|bay| self.bay(bay))
+    }
+
+    /// The places of the columns between the corner piers.
+    fn columns(&self) -> impl Iterator<Item = Affine3A> + '_ {
+        (1..self.bays).map(|i| self.frame * Affine3A::from_translation(Vec3::X * (i as f32 * PITCH - self.half())))
+    }
+}
+
+/// Every bay of all four sides.
+fn all_bays() -> Vec<Affine3A> {
+    Side::all().iter().flat_map(|side| side.bays().collect::<Vec<_>>()).collect()
+}
+
+/// Every round column's place, on the court's floor.
+fn all_columns() -> Vec<Affine3A> {
+    Side::all().iter().flat_map(|side| side.columns().collect::<Vec<_>>()).collect()
+}
+
+/// The corner piers' places; in each frame x and z point to the court.
+fn corners() -> [Affine3A; 4] {
+    std::array::from_fn(|i| {
+        let turn = Quat::from_rotation_y(-FRAC_PI_2 * i as f32);
+        let signs = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]][i];
+        Affine3A::from_rotation_translation(turn, Vec3::new(signs[0] * HALF[0], 0.0, signs[1] * HALF[1]))
+    })
+}
+
+fn parts(plan: &Plan) -> Vec<Part> {
+    let makers: [fn(&Plan) -> Vec<Part>; 9] = [
+        arcade::parts,
+        column::parts,
+        balustrade::parts,
+        gallery::parts,
+        roof::parts,
+        court::parts,
+        cloth::parts,
+        plants::parts,
+        lantern::parts,
+    ];
+    makers.par_iter().flat_map(|make| make(plan)).collect()
+}
+
+/// The court with its sun and its camera. A number of triangles outside [`Atrium::TRIANGLES`] is taken to its nearer end.
+pub fn atrium(knobs: &Atrium) -> Scene {
+    let mut scene = Scene { name: "atrium".into(), ..Scene::default() };
+    let palette = materials::add(&mut scene, knobs.seed);
+    for part in parts_of_size(knobs, palette) {
+        scene.add_mesh(&part.mesh, part.material, &part.transforms);
+    }
+    tangents::fill(&mut scene);
+    scene.lights.push(Light::Directional { direction: Vec3::new(0.34, -1.0, 0.30).normalize(), irradiance: Vec3::new(22.0, 20.5, 18.0) });
+    scene.cameras.push(Camera {
+        name: "court".into(),
+        position: Vec3::new(-11.2, 2.3, -1.1),
+        target: Vec3::new(8.0, 3.5, 0.6),
+        up: Vec3::Y,
+        fov_y_deg: 60.0,
+    });
+    scene
+}
+
+/// The parts at the level of detail whose triangles come nearest to the number asked for.
+fn parts_of_size(knobs: &Atrium, palette: Palette) -> Vec<Part> {
+    let target = knobs.triangles.clamp(*Atrium::TRIANGLES.start(), *Atrium::TRIANGLES.end()) as f32;
+    let error = |parts: &[Part]| parts.iter().map(Part::triangles).sum::<usize>() as f32 / target - 1.0;
+    let build = |log: f32| parts(&Plan { detail: Detail(log.exp()), seed: knobs.seed, palette });
+
+    // The count grows with the detail, nearly as its square where it is large: steps of Newton's kind, kept in a bracket.
+    let mut log = 0.5 * (target / 260_000.0).ln();
+    let (mut low, mut high) = (-4.0f32, 4.0f32);
+    let mut best = build(log);
+    let mut best_error = error(&best);
+    let mut last_error = best_error;
+    for _ in 0..16 {
+        if best_error.abs() < 0.01 {
+            break;
+        }
+        if last_error > 0.0 {
+            high = log
+        } else {
+            low = log
+        }
+        let step = log - 0.5 * last_error.ln_1p();
+        log = if step > low && step < high && high - low > 0.02 { step } else { 0.5 * (low + high) };
+        let parts = build(log);
+        last_error = error(&parts);
+        if last_error.abs() < best_error.abs() {
+            (best, best_error) = (parts, last_error);
+        }
+    }
+    best
+}

@@ -1,0 +1,27 @@
+//! Scenes made by code: nothing to load, the same bytes on every run.
+
+mod atrium;
+mod cornell;
+mod noise;
+mod profile;
+mod shapes;
+mod texels;
+
+pub use atrium::{Atrium, atrium};
+pub use cornell::cornell;
+
+/// How finely curved things are divided; 1 is the default scene's.
+#[derive(Debug, Clone, Copy)]
+struct Detail(f32);
+
+impl Detail {
+    /// The number of divisions of something that has `full` of them at detail 1, at least `least`.
+    fn count(self, full: f32, least: usize) -> usize {
+        ((full * self.0).round() as usize).max(least)
+    }
+
+    /// As [`Detail::count`], for what grows in one direction only: `full` at detail 1, and with the square root else.
+    fn slow(self, full: f32, least: usize) -> usize {
+        ((full * self.0.sqrt()).round() as usize).max(least)
+    }
+}

@@ -1,0 +1,97 @@
+//! Random numbers and periodic noise: functions of their arguments alone, so that a scene has the same bytes on every run.
+
+/// A well-mixed 32-bit hash (the finalizer of MurmurHash3 over a multiplied combination).
+pub fn hash(x: u32, y: u32, seed: u32) -> u32 {
+    let mut h = x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca77).rotate_left(13) ^ seed.wrapping_mul(0xc2b2_ae3d);
+    h ^= h >> 16;
+    h = h.wrapping_mul(0x85eb_ca6b);
+    h ^= h >> 13;
+    h = h.wrapping_mul(0xc2b2_ae35);
+    h ^ h >> 16
+}
+
+/// A number in [0, 1) for a lattice point.
+pub fn unit(x: u32, y: u32, seed: u32) -> f32 {
+    (hash(x, y, seed) >> 8) as f32 / (1 << 24) as f32
+}
+
+/// A sequence of random numbers.
+pub struct Random {
+    seed: u32,
+    next: u32,
+}
+
+impl Random {
+    pub fn new(seed: u32) -> Self {
+        Self { seed, next: 0 }
+    }
+
+    /// Uniform in [0, 1).
+    pub fn unit(&mut self) -> f32 {
+        self.next += 1;
+        unit(self.next, 0x5bd1, self.seed)
+    }
+
+    pub fn range(&mut self, from: f32, to: f32) -> f32 {
+        from + (to - from) * self.unit()
+    }
+}
+
+/// A square of noise that repeats: fractal value noise in [0, 1] with mean near one half, made once and looked up often.
+pub struct Tile {
+    size: usize,
+    values: Vec<f32>,
+}
+
+impl Tile {
+    /// `cells` lattice cells across the lowest octave, each further octave twice as many at `gain` of the weight.
+    pub fn fractal(size: usize, cells: usize, octaves: usize, gain: f32, seed: u32) -> Self {
+        use rayon::prelude::*;
+        let mut values = vec![0.0f32; size * size];
+        let total: f32 = (0..octaves).map(|o| gain.powi(o as i32)).sum();
+        values.par_chunks_mut(size).enumerate().for_each(|(y, row)| {
+            for octave in 0..octaves {
+                let n = cells << octave;
+                if n > size {
+                    break;
+                }
+                let weight = gain.powi(octave as i32) / total;
+                let step = n as f32 / size as f32;
+                let fy = y as f32 * step;
+                let (y0, ty) = (fy as usize, smooth(fy.fract()));
+                let y1 = (y0 + 1) % n;
+                let salt = seed.wrapping_add(octave as u32 * 977);
+                let corner = |x: usize| {
+                    let x = (x % n) as u32;
+                    let (a, b) = (unit(x, y0 as u32, salt), unit(x, y1 as u32, salt));
+                    a + (b - a) * ty
+                };
+                let (mut cell, mut left, mut right) = (0, corner(0), corner(1));
+                for (x, value) in row.iter_mut().enumerate() {
+                    let fx = x as f32 * step;
+                    if fx as usize != cell {
+                        cell = fx as usize;
+                        (left, right) = (right, corner(cell + 1));
+                    }
+                    *value += weight * (left + (right - left) * smooth(fx.fract()));
+                }
+            }
+        });
+        Self { size, values }
+    }
+
+    /// The value at a texel of the repeated square.
+    pub fn texel(&self, x: usize, y: usize) -> f32 {
+        self.values[(y % self.size) * self.size + x % self.size]
+    }
+}
+
+/// The cubic step of [0, 1].
+pub fn smooth(t: f32) -> f32 {
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// From 0 at `from` to 1 at `to`, smoothly, and constant outside.
+pub fn step(from: f32, to: f32, x: f32) -> f32 {
+    smooth(((x - from) / (to - from)).clamp(0.0, 1.0))
+}

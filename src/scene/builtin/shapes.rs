@@ -1,0 +1,166 @@
+//! The shapes that the built-in scenes are made of: patches, boxes, turned and swept mouldings, finely enough divided.
+
+use super::{Detail, profile::Profile};
+use crate::scene::builder::Mesh;
+use glam::{Affine3A, Vec2, Vec3};
+use std::f32::consts::{PI, TAU};
+
+impl Mesh {
+    /// A grid of `nu * nv` cells over the unit square; `at` gives position, unit normal and texture coordinates.
+    /// Triangles turn the side to the front that the normals are on; those without area are left out.
+    pub(super) fn patch(&mut self, nu: usize, nv: usize, at: impl Fn(f32, f32) -> (Vec3, Vec3, Vec2)) {
+        let base = self.positions.len() as u32;
+        for j in 0..=nv {
+            for i in 0..=nu {
+                let (position, normal, uv) = at(i as f32 / nu as f32, j as f32 / nv as f32);
+                self.vertex(position, normal, uv);
+            }
+        }
+        let row = nu as u32 + 1;
+        for j in 0..nv as u32 {
+            for i in 0..nu as u32 {
+                let a = base + j * row + i;
+                self.facing([a, a + 1, a + row + 1]);
+                self.facing([a, a + row + 1, a + row]);
+            }
+        }
+    }
+
+    /// A triangle, turned so that its front is where its normals point.
+    fn facing(&mut self, [a, b, c]: [u32; 3]) {
+        let [pa, pb, pc] = [a, b, c].map(|i| self.positions[i as usize]);
+        let area = (pb - pa).cross(pc - pa);
+        let longest = pa.distance_squared(pb).max(pb.distance_squared(pc)).max(pc.distance_squared(pa));
+        if area.length() <= 1e-5 * longest {
+            return;
+        }
+        let normal: Vec3 = [a, b, c].map(|i| self.normals[i as usize]).iter().sum();
+        self.indices.extend(if area.dot(normal) >= 0.0 { [a, b, c] } else { [a, c, b] });
+    }
+
+    /// A patch whose normals come from the surface itself: towards `du x dv`, or away from it where `flip` is set.
+    pub(super) fn surface(&mut self, [nu, nv]: [usize; 2], flip: bool, position: impl Fn(f32, f32) -> Vec3, uv: impl Fn(f32, f32) -> Vec2) {
+        const STEP: f32 = 2e-3;
+        self.patch(nu, nv, |u, v| {
+            let (cu, cv) = (u.clamp(STEP, 1.0 - STEP), v.clamp(STEP, 1.0 - STEP));
+            let du = position(cu + STEP, cv) - position(cu - STEP, cv);
+            let dv = position(cu, cv + STEP) - position(cu, cv - STEP);
+            let normal = du.cross(dv).normalize_or(Vec3::Y);
+            (position(u, v), if flip { -normal } else { normal }, uv(u, v))
+        });
+    }
+
+    /// A flat parallelogram from `origin` along `u` and `v`, facing `u x v`, in cells of at most `cell` metres.
+    /// Texture coordinates are metres over `tile`, measured from the point `origin` of a larger plane when `start` is given.
+    pub(super) fn plane(&mut self, origin: Vec3, u: Vec3, v: Vec3, cell: f32, tile: f32, start: Vec2) {
+        let (lu, lv) = (u.length(), v.length());
+        let cells = |length: f32| ((length / cell).round() as usize).max(1);
+        let normal = u.cross(v).normalize();
+        self.patch(cells(lu), cells(lv), |a, b| {
+            (origin + u * a + v * b, normal, Vec2::new((start.x + a * lu) / tile, -(start.y + b * lv) / tile))
+        });
+    }
+
+    /// The faces of a box that `faces` names (any of `-x+x-y+y-z+z`, one letter pair each), textured in metres over `tile`.
+    pub(super) fn cuboid(&mut self, min: Vec3, max: Vec3, faces: &str, tile: f32) {
+        let size = max - min;
+        for face in faces.as_bytes().chunks(2) {
+            let axis = match face[1] {
+                b'x' => 0,
+                b'y' => 1,
+                _ => 2,
+            };
+            let positive = face[0] == b'+';
+            let mut normal = Vec3::ZERO;
+            normal[axis] = if positive { 1.0 } else { -1.0 };
+            // In a wall's plane texture v goes up; on a floor it goes along z.
+            let (right, up) = match axis {
+                0 => (Vec3::Z, Vec3::Y),
+                1 => (Vec3::X, Vec3::Z),
+                _ => (Vec3::X, Vec3::Y),
+            };
+            let mut corner = min;
+            corner[axis] = if positive { max[axis] } else { min[axis] };
+            let (u, v) = (right * size, up * size);
+            self.patch(1, 1, |a, b| {
+                let p = corner + u * a + v * b;
+                (p, normal, Vec2::new(p.dot(right), -p.dot(up)) / tile)
+            });
+        }
+    }
+
+    /// Turns a profile (radius, height) around the y axis. Texture coordinates are metres over `tile` along the profile, and
+    /// the whole number of repetitions nearest to that around it.
+    pub(super) fn lathe(&mut self, profile: &Profile, sides: usize, detail: Detail, tile: f32) {
+        let runs = profile.runs(detail);
+        let widest = runs.iter().flatten().map(|s| s.point.x).fold(0.0, f32::max);
+        let repeats = (TAU * widest / tile).round().max(1.0);
+        for run in runs {
+            let last = run.len() - 1;
+            self.patch(sides, last, |u, v| {
+                let sample = run[(v * last as f32).round() as usize];
+                let (sin, cos) = if u == 1.0 { (0.0, 1.0) } else { (TAU * u).sin_cos() };
+                let position = Vec3::new(sample.point.x * cos, sample.point.y, -sample.point.x * sin);
+                let normal = Vec3::new(sample.normal.x * cos, sample.normal.y, -sample.normal.x * sin);
+                (position, normal, Vec2::new(u * repeats, -sample.length / tile))
+            });
+        }
+    }
+
+    /// Runs a profile (distance inwards from the rectangle `half`, height) along the inside of that rectangle of the floor
+    /// plane, mitred at its corners; `outward` runs it along the outside, where the distance counts outwards.
+    pub(super) fn frame(&mut self, profile: &Profile, half: Vec2, outward: bool, cell: f32, detail: Detail, tile: f32) {
+        let sign = if outward { 1.0 } else { -1.0 };
+        for side in 0..4 {
+            let (along, across) = if side % 2 == 0 { (half.x, half.y) } else { (half.y, half.x) };
+            let (right, out) = match side {
+                0 => (Vec3::X, Vec3::Z),
+                1 => (Vec3::NEG_Z, Vec3::X),
+                2 => (Vec3::NEG_X, Vec3::NEG_Z),
+                _ => (Vec3::Z, Vec3::NEG_X),
+            };
+            for run in profile.runs(detail) {
+                let last = run.len() - 1;
+                let cells = ((2.0 * along / cell).round() as usize).max(1);
+                self.patch(cells, last, |u, v| {
+                    let sample = run[(v * last as f32).round() as usize];
+                    let offset = sign * sample.point.x;
+                    let x = (2.0 * u - 1.0) * (along + offset);
+                    let position = right * x + out * (across + offset) + Vec3::Y * sample.point.y;
+                    let normal = out * (sign * sample.normal.x) + Vec3::Y * sample.normal.y;
+                    (position, normal, Vec2::new(x, -sample.length) / tile)
+                });
+            }
+        }
+    }
+
+    /// Runs a profile (radius, height over the wall) around the half circle above the springing line at `center`, in the
+    /// xy plane, facing +z. Walked from the inner edge over the top to the outer one.
+    pub(super) fn archivolt(&mut self, profile: &Profile, center: Vec3, segments: usize, detail: Detail, tile: f32) {
+        for run in profile.runs(detail) {
+            let last = run.len() - 1;
+            self.patch(segments, last, |u, v| {
+                let sample = run[(v * last as f32).round() as usize];
+                let (sin, cos) = (PI * u).sin_cos();
+                let position = center + Vec3::new(sample.point.x * cos, sample.point.x * sin, sample.point.y);
+                // The profile is walked outwards with the solid below it: the left-hand side is outside here.
+                let normal = -Vec3::new(sample.normal.x * cos, sample.normal.x * sin, sample.normal.y);
+                (position, normal, Vec2::new(PI * u * sample.point.x.max(0.2), -sample.length) / tile)
+            });
+        }
+    }
+
+    /// Adds another mesh's triangles at a place.
+    pub(super) fn append(&mut self, other: &Mesh, transform: Affine3A) {
+        let base = self.positions.len() as u32;
+        let normals = transform.matrix3.inverse().transpose();
+        let mirrored = transform.matrix3.determinant() < 0.0;
+        self.positions.extend(other.positions.iter().map(|&p| transform.transform_point3(p)));
+        self.normals.extend(other.normals.iter().map(|&n| (normals * n).normalize()));
+        self.uvs.extend_from_slice(&other.uvs);
+        self.indices.extend(other.indices.chunks_exact(3).flat_map(|t| {
+            let [a, b, c] = [t[0] + base, t[1] + base, t[2] + base];
+            if mirrored { [a, c, b] } else { [a, b, c] }
+        }));
+    }
+}

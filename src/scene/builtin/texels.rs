@@ -1,0 +1,123 @@
+//! Painting textures: from a function of the texel to bytes, in parallel rows.
+
+use super::noise::{Tile, hash, step, unit};
+use crate::scene::Texture;
+use rayon::prelude::*;
+
+/// A colour texture from linear RGBA in [0, 1].
+pub fn color(name: &str, size: usize, paint: impl Fn(usize, usize) -> [f32; 4] + Sync) -> Texture {
+    let curve: Vec<u8> = (0..4096)
+        .map(|i| {
+            let c = i as f32 / 4095.0;
+            let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+            (encoded * 255.0).round() as u8
+        })
+        .collect();
+    let texels = rows(size, |x, y| {
+        let [r, g, b, a] = paint(x, y);
+        let encode = |c: f32| curve[(c.clamp(0.0, 1.0) * 4095.0) as usize];
+        [encode(r), encode(g), encode(b), (a.clamp(0.0, 1.0) * 255.0).round() as u8]
+    });
+    Texture { name: name.into(), width: size as u32, height: size as u32, srgb: true, texels }
+}
+
+/// A texture of roughness (green) and metalness (blue).
+pub fn surface(name: &str, size: usize, paint: impl Fn(usize, usize) -> [f32; 2] + Sync) -> Texture {
+    let byte = |c: f32| (c.clamp(0.0, 1.0) * 255.0).round() as u8;
+    let texels = rows(size, |x, y| {
+        let [roughness, metallic] = paint(x, y);
+        [255, byte(roughness), byte(metallic), 255]
+    });
+    Texture { name: name.into(), width: size as u32, height: size as u32, srgb: false, texels }
+}
+
+/// A normal map of a height field that repeats; heights are in texels.
+pub fn normals(name: &str, size: usize, height: impl Fn(usize, usize) -> f32 + Sync) -> Texture {
+    let mut heights = vec![0.0f32; size * size];
+    heights.par_chunks_mut(size).enumerate().for_each(|(y, row)| {
+        for (x, h) in row.iter_mut().enumerate() {
+            *h = height(x, y);
+        }
+    });
+    let at = |x: usize, y: usize| heights[(y % size) * size + x % size];
+    let texels = rows(size, |x, y| {
+        let dx = at(x + 1, y) - at(x + size - 1, y);
+        let dy = at(x, y + 1) - at(x, y + size - 1);
+        // Green points up in the image, as glTF has it.
+        let n = glam::Vec3::new(-dx, dy, 2.0).normalize();
+        let byte = |c: f32| ((c * 0.5 + 0.5) * 255.0).round() as u8;
+        [byte(n.x), byte(n.y), byte(n.z), 255]
+    });
+    Texture { name: name.into(), width: size as u32, height: size as u32, srgb: false, texels }
+}
+
+fn rows(size: usize, texel: impl Fn(usize, usize) -> [u8; 4] + Sync) -> Vec<u8> {
+    let mut texels = vec![0u8; size * size * 4];
+    texels.par_chunks_mut(size * 4).enumerate().for_each(|(y, row)| {
+        for (x, out) in row.chunks_exact_mut(4).enumerate() {
+            out.copy_from_slice(&texel(x, y));
+        }
+    });
+    texels
+}
+
+/// Blocks laid in courses on a square that repeats.
+pub struct Masonry {
+    /// Of each course the ends of its blocks, in [0, 1) and rising.
+    courses: Vec<Vec<f32>>,
+    seed: u32,
+}
+
+impl Masonry {
+    /// `courses` rows with `blocks` or one more in each, of unequal lengths (`jitter` of a block).
+    pub fn new(courses: usize, blocks: usize, jitter: f32, seed: u32) -> Self {
+        let courses = (0..courses as u32)
+            .map(|row| {
+                let count = blocks as u32 + u32::from(jitter > 0.0 && hash(row, 3, seed).is_multiple_of(2));
+                let shift = if jitter > 0.0 { unit(row, 4, seed) } else { 0.5 * (row % 2) as f32 };
+                let mut ends: Vec<f32> =
+                    (0..count).map(|i| ((i as f32 + shift + jitter * (unit(i, row, seed) - 0.5)) / count as f32).rem_euclid(1.0)).collect();
+                ends.sort_by(f32::total_cmp);
+                ends
+            })
+            .collect();
+        Self { courses, seed }
+    }
+
+    /// The block at a point of the unit square, as a random number of its own, and the distance from its edge.
+    pub fn at(&self, u: f32, v: f32) -> (u32, f32) {
+        let rows = self.courses.len() as f32;
+        let row = ((v * rows) as usize).min(self.courses.len() - 1);
+        let ends = &self.courses[row];
+        let next = ends.partition_point(|&end| end <= u);
+        let right = if next == ends.len() { ends[0] + 1.0 } else { ends[next] };
+        let left = if next == 0 { ends[ends.len() - 1] - 1.0 } else { ends[next - 1] };
+        let block = if next == ends.len() { 0 } else { next };
+        let bed = (v * rows).fract() / rows;
+        let edge = (u - left).min(right - u).min(bed).min(1.0 / rows - bed);
+        (hash(block as u32, row as u32, self.seed ^ 0x51), edge)
+    }
+
+    /// Relief of the blocks with joints `joint` wide (of the square): 0 in the joint, 1 on a block.
+    pub fn relief(edge: f32, joint: f32) -> f32 {
+        step(0.35 * joint, 1.3 * joint, edge)
+    }
+}
+
+/// The fields of noise that the textures share.
+pub struct Fields {
+    /// Broad stains, middling clouds, and grain.
+    pub stains: Tile,
+    pub clouds: Tile,
+    pub grain: Tile,
+}
+
+impl Fields {
+    pub fn new(seed: u32) -> Self {
+        Self {
+            stains: Tile::fractal(512, 3, 5, 0.5, seed ^ 0x11),
+            clouds: Tile::fractal(512, 12, 5, 0.6, seed ^ 0x22),
+            grain: Tile::fractal(512, 128, 2, 0.7, seed ^ 0x33),
+        }
+    }
+}
