@@ -16,8 +16,8 @@ use std::collections::HashMap;
 
 /// Nothing lies farther from the origin (m): beyond it, single precision has steps of more than 50 m.
 const MAX_DISTANCE: f32 = 1e9;
-/// Draws of a scene, so that a small file in which many nodes show many primitives does not fill the memory.
-const MAX_DRAWS: usize = 1 << 20;
+/// Primitives that all nodes show together: a small file in which many nodes show many would fill the memory with draws.
+const MAX_SHOWN: usize = 1 << 20;
 /// Vertices and indices of a scene (2 GiB each).
 const MAX_VERTICES: usize = 1 << 26;
 const MAX_INDICES: usize = 1 << 29;
@@ -75,13 +75,15 @@ struct Builder<'a> {
     warnings: &'a mut Warnings,
     vertices: HashMap<VertexKey, Vertices>,
     triangles: HashMap<IndexKey, Option<Triangles>>,
+    /// How many primitives the nodes have shown so far.
+    shown: usize,
     /// Corners of triangles whose tangents are still to be made.
     corners: usize,
 }
 
 /// Adds all meshes to the scene. Where a normal map needs tangents that the file does not have, they are left at 0.
 pub fn build(file: &File<'_>, meshes: &[PlacedMesh], materials: &Materials, scene: &mut Scene, warnings: &mut Warnings) -> Result<()> {
-    let mut builder = Builder { file, scene, warnings, vertices: HashMap::new(), triangles: HashMap::new(), corners: 0 };
+    let mut builder = Builder { file, scene, warnings, vertices: HashMap::new(), triangles: HashMap::new(), shown: 0, corners: 0 };
     for placed in meshes {
         let mesh = file.get(placed.mesh, "mesh")?;
         builder.mesh(mesh, placed, materials).with_context(|| label("mesh", placed.mesh.value(), mesh.name.as_ref()))?;
@@ -92,6 +94,10 @@ pub fn build(file: &File<'_>, meshes: &[PlacedMesh], materials: &Materials, scen
 impl Builder<'_> {
     fn mesh(&mut self, mesh: &Mesh, placed: &PlacedMesh, materials: &Materials) -> Result<()> {
         for (i, primitive) in mesh.primitives.iter().enumerate() {
+            self.shown += 1;
+            if self.shown > MAX_SHOWN {
+                refuse!("the nodes show more than {MAX_SHOWN} primitives");
+            }
             let material = materials.get(primitive.material);
             let Some(triangles) = self.primitive(primitive, material, placed.mirrored).with_context(|| format!("primitive {i}"))? else {
                 continue;
@@ -99,9 +105,6 @@ impl Builder<'_> {
             let near = |corner| placed.transform.transform_point3(corner).abs().cmple(Vec3::splat(MAX_DISTANCE)).all();
             if !triangles.bounds.corners().into_iter().all(near) {
                 refuse!("at node {} it reaches farther than {MAX_DISTANCE:e} m from the origin", placed.node);
-            }
-            if self.scene.draws.len() == MAX_DRAWS {
-                refuse!("the nodes show more than {MAX_DRAWS} primitives");
             }
             self.scene.draws.push(Draw {
                 first_index: triangles.first_index,
