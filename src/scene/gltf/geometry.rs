@@ -3,8 +3,9 @@
 use super::accessors::Attribute;
 use super::materials::{Materials, Used};
 use super::nodes::PlacedMesh;
+use super::triangles::{make_flat, triangulate};
 use super::{File, Warning, Warnings, label, refuse};
-use crate::scene::{Aabb, Draw, Map, Scene, Vertex, pack, tangents};
+use crate::scene::{Aabb, Draw, Scene, Vertex, pack};
 use anyhow::{Context, Result};
 use glam::{Vec3, Vec4};
 use gltf_json::accessor::Accessor;
@@ -15,8 +16,8 @@ use std::collections::HashMap;
 
 /// Nothing lies farther from the origin (m): beyond it, single precision has steps of more than 50 m.
 const MAX_DISTANCE: f32 = 1e9;
-/// Draws of a scene, so that a small file in which many nodes show many primitives does not fill the memory.
-const MAX_DRAWS: usize = 1 << 20;
+/// Primitives that all nodes show together: a small file in which many nodes show many would fill the memory with draws.
+const MAX_SHOWN: usize = 1 << 20;
 /// Vertices and indices of a scene (2 GiB each).
 const MAX_VERTICES: usize = 1 << 26;
 const MAX_INDICES: usize = 1 << 29;
@@ -29,6 +30,7 @@ struct VertexKey {
     tangents: Option<usize>,
     uvs: Option<(u32, usize)>,
     colors: Option<usize>,
+    /// Given tangents get the other handedness: a mirrored node turns right hands into left ones.
     mirrored_tangents: bool,
     /// Where corners get vertices of their own: flat normals and tangents depend on the triangles.
     corners: Option<Corners>,
@@ -73,11 +75,15 @@ struct Builder<'a> {
     warnings: &'a mut Warnings,
     vertices: HashMap<VertexKey, Vertices>,
     triangles: HashMap<IndexKey, Option<Triangles>>,
+    /// How many primitives the nodes have shown so far.
+    shown: usize,
+    /// Corners of triangles whose tangents are still to be made.
+    corners: usize,
 }
 
-/// Adds all meshes to the scene.
+/// Adds all meshes to the scene. Where a normal map needs tangents that the file does not have, they are left at 0.
 pub fn build(file: &File<'_>, meshes: &[PlacedMesh], materials: &Materials, scene: &mut Scene, warnings: &mut Warnings) -> Result<()> {
-    let mut builder = Builder { file, scene, warnings, vertices: HashMap::new(), triangles: HashMap::new() };
+    let mut builder = Builder { file, scene, warnings, vertices: HashMap::new(), triangles: HashMap::new(), shown: 0, corners: 0 };
     for placed in meshes {
         let mesh = file.get(placed.mesh, "mesh")?;
         builder.mesh(mesh, placed, materials).with_context(|| label("mesh", placed.mesh.value(), mesh.name.as_ref()))?;
@@ -88,17 +94,17 @@ pub fn build(file: &File<'_>, meshes: &[PlacedMesh], materials: &Materials, scen
 impl Builder<'_> {
     fn mesh(&mut self, mesh: &Mesh, placed: &PlacedMesh, materials: &Materials) -> Result<()> {
         for (i, primitive) in mesh.primitives.iter().enumerate() {
+            self.shown += 1;
+            if self.shown > MAX_SHOWN {
+                refuse!("the nodes show more than {MAX_SHOWN} primitives");
+            }
             let material = materials.get(primitive.material);
             let Some(triangles) = self.primitive(primitive, material, placed.mirrored).with_context(|| format!("primitive {i}"))? else {
                 continue;
             };
-            let reach = |corner: Vec3| placed.transform.transform_point3(corner).abs().max_element();
-            // Not a maximum: NaN must not pass.
-            if !triangles.bounds.corners().into_iter().all(|corner| reach(corner) <= MAX_DISTANCE) {
+            let near = |corner| placed.transform.transform_point3(corner).abs().cmple(Vec3::splat(MAX_DISTANCE)).all();
+            if !triangles.bounds.corners().into_iter().all(near) {
                 refuse!("at node {} it reaches farther than {MAX_DISTANCE:e} m from the origin", placed.node);
-            }
-            if self.scene.draws.len() == MAX_DRAWS {
-                refuse!("the nodes show more than {MAX_DRAWS} primitives");
             }
             self.scene.draws.push(Draw {
                 first_index: triangles.first_index,
@@ -180,18 +186,16 @@ impl Builder<'_> {
                 triangulate(usize::try_from(count)?, mode, |i| i as u32)
             }
         };
-        let range = match key.vertices.corners {
+        let range = match &key.vertices.corners {
             None => self.shared_vertices(&key.vertices)?,
-            Some(_) => {
+            Some(corners) => {
                 let mut vertices = self.read_vertices(&key.vertices)?;
                 if key.vertices.normals.is_none() {
                     make_flat(&mut vertices, &mut indices);
                 }
-                if let Some(map) = normal_map(self.scene, &key.vertices) {
-                    tangents::fill(&mut vertices, &mut indices, |uv| map.matrix * uv + map.offset);
-                    if key.mirrored {
-                        vertices.iter_mut().for_each(|vertex| vertex.tangent = pack::mirrored_tangent(vertex.tangent));
-                    }
+                if corners.material.is_some() {
+                    // Making tangents may split a vertex for each of its triangles.
+                    self.corners += indices.len();
                 }
                 self.append(vertices)?
             }
@@ -225,7 +229,7 @@ impl Builder<'_> {
 
     fn append(&mut self, mut vertices: Vec<Vertex>) -> Result<Vertices> {
         let (offset, count) = (self.scene.vertices.len(), vertices.len());
-        if offset + count > MAX_VERTICES {
+        if offset + count + self.corners > MAX_VERTICES {
             refuse!("with it, the scene has more than {MAX_VERTICES} vertices");
         }
         self.scene.vertices.append(&mut vertices);
@@ -253,7 +257,8 @@ impl Builder<'_> {
             let tangent = tangents.get(i).map_or(0, |&tangent| {
                 let tangent = Vec4::from(tangent);
                 let direction = tangent.truncate().try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
-                pack::tangent(direction, tangent.w * handedness)
+                // 0 stands for a tangent that is still to be made.
+                pack::tangent(direction, tangent.w * handedness).max(1)
             });
             Vertex {
                 position,
@@ -271,11 +276,6 @@ impl Builder<'_> {
     }
 }
 
-/// The normal map that vertices need tangents made for.
-fn normal_map(scene: &Scene, key: &VertexKey) -> Option<Map> {
-    scene.materials[key.corners.as_ref()?.material? as usize].normal_map
-}
-
 /// An attribute of `count` elements, or nothing where it is not there.
 fn read<const N: usize>(file: &File<'_>, index: Option<usize>, attribute: Attribute, count: Option<usize>) -> Result<Vec<[f32; N]>> {
     let Some(index) = index else {
@@ -286,38 +286,4 @@ fn read<const N: usize>(file: &File<'_>, index: Option<usize>, attribute: Attrib
         refuse!("its {attribute} has {} elements, its POSITION {count}", elements.len());
     }
     Ok(elements)
-}
-
-/// The corners of `count` vertices' triangles, each a vertex index. Triangles without area by their indices alone, as strips
-/// have where they are joined, are left out.
-fn triangulate(count: usize, mode: Mode, index: impl Fn(usize) -> u32) -> Vec<u32> {
-    let triangles = if mode == Mode::Triangles { count / 3 } else { count.saturating_sub(2) };
-    let mut indices = Vec::with_capacity(3 * triangles);
-    for i in 0..triangles {
-        let corners = match mode {
-            Mode::TriangleStrip => [i, i + 1 + i % 2, i + 2 - i % 2],
-            Mode::TriangleFan => [i + 1, i + 2, 0],
-            _ => [3 * i, 3 * i + 1, 3 * i + 2],
-        };
-        let [a, b, c] = corners.map(&index);
-        if a != b && b != c && c != a {
-            indices.extend([a, b, c]);
-        }
-    }
-    indices
-}
-
-/// Gives every corner a vertex of its own with its triangle's normal. Triangles without area have none, and are left out.
-fn make_flat(vertices: &mut Vec<Vertex>, indices: &mut Vec<u32>) {
-    let mut flat = Vec::with_capacity(indices.len());
-    for corners in indices.as_chunks::<3>().0 {
-        let corners = corners.map(|i| vertices[i as usize]);
-        let [a, b, c] = corners.map(|vertex| Vec3::from(vertex.position).as_dvec3());
-        if let Some(normal) = (b - a).cross(c - a).try_normalize() {
-            let normal = pack::octahedral_snorm16(normal.as_vec3());
-            flat.extend(corners.map(|vertex| Vertex { normal, ..vertex }));
-        }
-    }
-    *indices = (0..flat.len() as u32).collect();
-    *vertices = flat;
 }

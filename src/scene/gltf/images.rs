@@ -1,6 +1,6 @@
 //! Images: found, measured, and decoded in parallel.
 
-use super::materials::ImageUse;
+use super::textures::ImageUse;
 use super::{File, buffers, label, refuse};
 use crate::scene::{Scene, Texture};
 use anyhow::{Context, Result};
@@ -17,6 +17,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const MAX_SIDE: u32 = 16_384;
 /// All images of a scene together, decoded (4 GiB).
 const MAX_BYTES: u64 = 4 << 30;
+/// One image's file (1 GiB).
+const MAX_ENCODED: u64 = 1 << 30;
 /// No more bytes come out of a byte of a PNG (1032 by its compression, 8 by its one-bit texels) or of a JPEG.
 const MAX_RATIO: u64 = 8 * 1032;
 
@@ -94,6 +96,3 @@ fn encoded<'a>(file: &'a File<'_>, image: &Image) -> Result<Cow<'a, [u8]>> {
         (None, None) => refuse!("it has neither a bufferView nor a uri"),
     }
 }
-
-/// A file of an image has at most so many bytes (1 GiB).
-const MAX_ENCODED: u64 = 1 << 30;

@@ -1,24 +1,20 @@
-//! Materials and the textures that they use.
+//! Materials, of those that the scene uses.
 
 use super::nodes::PlacedMesh;
+use super::textures::{Reference, Textures};
 use super::{File, Warning, Warnings, label, refuse};
-use crate::scene::{Filter, Map, Material, Scene, Wrap};
+use crate::scene::{Material, Scene};
 use anyhow::{Context, Result};
-use glam::{Mat2, Vec2};
-use gltf_json::extensions::texture::TextureTransform;
+use gltf_json::Index;
 use gltf_json::material::AlphaMode;
-use gltf_json::texture::{MagFilter, MinFilter, Sampler, WrappingMode};
 use gltf_json::validation::Checked;
-use gltf_json::{Image, Index};
 use std::collections::HashMap;
 
-/// The materials that the scene uses, and the images to decode for them.
+/// The materials that the scene uses, and the textures that they do.
 #[derive(Default)]
 pub struct Materials {
     used: HashMap<Option<usize>, Used>,
-    pub images: Vec<ImageUse>,
-    /// Where in `images` an image is, by its index and whether it is colour.
-    known_images: HashMap<(usize, bool), u32>,
+    pub textures: Textures,
 }
 
 /// A material of the scene, and what its triangles must bring along.
@@ -30,22 +26,6 @@ pub struct Used {
     pub uv_set: u32,
     pub has_maps: bool,
     pub has_normal_map: bool,
-}
-
-/// An image that becomes the scene's texture of the same position; as colour and as data makes two.
-#[derive(Clone, Copy)]
-pub struct ImageUse {
-    pub image: Index<Image>,
-    pub srgb: bool,
-}
-
-/// What the kinds of texture reference have in common.
-struct Reference<'a> {
-    key: &'static str,
-    index: Index<gltf_json::Texture>,
-    tex_coord: u32,
-    transform: Option<&'a TextureTransform>,
-    srgb: bool,
 }
 
 impl Materials {
@@ -94,45 +74,21 @@ impl Materials {
         warnings: &mut Warnings,
     ) -> Result<Used> {
         let pbr = &source.pbr_metallic_roughness;
-        let info = |key, info: &Option<gltf_json::texture::Info>, srgb| {
-            info.as_ref()
-                .map(|info| (key, info.index, info.tex_coord, info.extensions.as_ref().and_then(|e| e.texture_transform.clone()), srgb))
-        };
-        let normal = match &source.normal_texture {
-            Some(normal) => {
-                // This reference's extensions come as they stand in the file.
-                let raw = normal.extensions.as_ref().and_then(|extensions| extensions.others.get("KHR_texture_transform"));
-                let transform = raw.map(|raw| serde_json::from_value(raw.clone())).transpose();
-                let Ok(transform) = transform else {
-                    refuse!("the KHR_texture_transform of its normalTexture is not as that extension has it");
-                };
-                Some(("normalTexture", normal.index, normal.tex_coord, transform, false))
-            }
-            None => None,
-        };
         let references = [
-            info("baseColorTexture", &pbr.base_color_texture, true),
-            info("metallicRoughnessTexture", &pbr.metallic_roughness_texture, false),
-            info("emissiveTexture", &source.emissive_texture, true),
-            normal,
+            pbr.base_color_texture.as_ref().map(|info| Reference::new("baseColorTexture", info, true)),
+            pbr.metallic_roughness_texture.as_ref().map(|info| Reference::new("metallicRoughnessTexture", info, false)),
+            source.emissive_texture.as_ref().map(|info| Reference::new("emissiveTexture", info, true)),
+            source.normal_texture.as_ref().map(Reference::normal).transpose()?,
         ];
         let (mut maps, mut uv_set) = ([None; 4], None);
-        for (map, reference) in maps.iter_mut().zip(&references) {
-            let Some((key, index, tex_coord, transform, srgb)) = reference else {
-                continue;
-            };
-            let reference = Reference { key, index: *index, tex_coord: *tex_coord, transform: transform.as_ref(), srgb: *srgb };
-            let (read, set) = self.map(file, &reference).with_context(|| *key)?;
-            if *uv_set.get_or_insert(set) != set {
-                warnings.add(
-                    Warning::UvSets,
-                    format!(
-                        "{name} mixes sets of texture coordinates: all its textures use the first one's, TEXCOORD_{}",
-                        uv_set.unwrap_or(set)
-                    ),
-                );
+        for (map, reference) in maps.iter_mut().zip(references) {
+            let Some(reference) = reference else { continue };
+            *map = Some(self.textures.map(file, &reference).with_context(|| reference.key)?);
+            let first = *uv_set.get_or_insert(reference.uv_set());
+            if first != reference.uv_set() {
+                let sentence = format!("{name} mixes sets of texture coordinates: all its textures use the first one's, TEXCOORD_{first}");
+                warnings.add(Warning::UvSets, sentence);
             }
-            *map = Some(read);
         }
         let [base_color_map, metallic_roughness_map, emission_map, normal_map] = maps;
 
@@ -182,55 +138,5 @@ impl Materials {
         });
         let has_maps = maps.iter().any(Option::is_some);
         Ok(Used { index, uv_set: uv_set.unwrap_or(0), has_maps, has_normal_map: normal_map.is_some() })
-    }
-
-    /// A texture reference as a map, and the set of texture coordinates that it names.
-    fn map(&mut self, file: &File<'_>, reference: &Reference<'_>) -> Result<(Map, u32)> {
-        let texture = file.get(reference.index, "texture")?;
-        if texture.source.value() == u32::MAX as usize {
-            refuse!("texture {} has no PNG or JPEG as its source", reference.index);
-        }
-        file.get(texture.source, "image").with_context(|| label("texture", reference.index.value(), texture.name.as_ref()))?;
-        let position = *self.known_images.entry((texture.source.value(), reference.srgb)).or_insert_with(|| {
-            self.images.push(ImageUse { image: texture.source, srgb: reference.srgb });
-            self.images.len() as u32 - 1
-        });
-        let default = Sampler::default();
-        let sampler = match texture.sampler {
-            Some(index) => file.get(index, "sampler")?,
-            None => &default,
-        };
-        let map = Map { wrap_u: wrap(sampler.wrap_s)?, wrap_v: wrap(sampler.wrap_t)?, filter: filter(sampler), ..Map::new(position) };
-        let Some(transform) = reference.transform else {
-            return Ok((map, reference.tex_coord));
-        };
-        // The extension's rotation is counter-clockwise as one sees it, with v downwards: the matrix of a clockwise one.
-        let (sin, cos) = transform.rotation.0.sin_cos();
-        let matrix = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos)) * Mat2::from_diagonal(transform.scale.0.into());
-        let offset = Vec2::from(transform.offset.0);
-        if !(matrix.is_finite() && offset.is_finite()) {
-            refuse!("the KHR_texture_transform of {} is not finite", reference.key);
-        }
-        Ok((Map { matrix, offset, ..map }, transform.tex_coord.unwrap_or(reference.tex_coord)))
-    }
-}
-
-fn wrap(mode: Checked<WrappingMode>) -> Result<Wrap> {
-    Ok(match mode {
-        Checked::Valid(WrappingMode::Repeat) => Wrap::Repeat,
-        Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::MirroredRepeat,
-        Checked::Valid(WrappingMode::ClampToEdge) => Wrap::ClampToEdge,
-        Checked::Invalid => refuse!("its sampler's wrapS or wrapT is none of glTF's modes"),
-    })
-}
-
-/// The magnification filter, or where the sampler leaves it open, what goes with its minification filter.
-fn filter(sampler: &Sampler) -> Filter {
-    match (sampler.mag_filter, sampler.min_filter) {
-        (Some(Checked::Valid(MagFilter::Nearest)), _) => Filter::Nearest,
-        (None, Some(Checked::Valid(MinFilter::Nearest | MinFilter::NearestMipmapNearest | MinFilter::NearestMipmapLinear))) => {
-            Filter::Nearest
-        }
-        _ => Filter::Linear,
     }
 }

@@ -12,8 +12,10 @@ mod images;
 mod lights;
 mod materials;
 mod nodes;
+mod textures;
+mod triangles;
 
-use super::Scene;
+use super::{Scene, tangents};
 use anyhow::{Context, Result};
 use buffers::Buffers;
 use gltf_json::{Index, Root};
@@ -138,8 +140,9 @@ fn read(bytes: &[u8], base: Option<&Path>, name: &str, choice: Option<&SceneChoi
     let placed = nodes::walk(&file, choice, &mut warnings)?;
     let mut scene = Scene { name: name.to_string(), lights: placed.lights, cameras: placed.cameras, ..Scene::default() };
     let materials = materials::read(&file, &placed.meshes, &mut scene, &mut warnings)?;
-    images::decode(&file, &materials.images, &mut scene)?;
+    images::decode(&file, &materials.textures.images, &mut scene)?;
     geometry::build(&file, &placed.meshes, &materials, &mut scene, &mut warnings)?;
+    tangents::fill(&mut scene);
     if scene.draws.is_empty() {
         refuse!("the scene has no triangles");
     }
