@@ -72,7 +72,8 @@ impl Library {
             None => {
                 let words = self.compile(path, stage)?;
                 let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-                cache::user().write("spirv", &key, &bytes);
+                // Without a cache every start compiles anew, and nothing else changes.
+                let _ = cache::user().write("spirv", &key, &bytes);
                 words
             }
         };
