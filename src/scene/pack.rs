@@ -43,6 +43,11 @@ pub fn tangent(v: Vec3, handedness: f32) -> u32 {
     p.x as u32 | (p.y as u32) << 15 | u32::from(handedness < 0.0) << 31
 }
 
+/// A packed tangent with the other handedness.
+pub fn mirrored_tangent(packed: u32) -> u32 {
+    packed ^ 1 << 31
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

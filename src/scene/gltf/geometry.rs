@@ -1,0 +1,323 @@
+//! Meshes into the scene's one vertex and one index array, and a draw for each place that they stand at.
+
+use super::accessors::Attribute;
+use super::materials::{Materials, Used};
+use super::nodes::PlacedMesh;
+use super::{File, Warning, Warnings, label, refuse};
+use crate::scene::{Aabb, Draw, Map, Scene, Vertex, pack, tangents};
+use anyhow::{Context, Result};
+use glam::{Vec3, Vec4};
+use gltf_json::accessor::Accessor;
+use gltf_json::mesh::{Mode, Primitive, Semantic};
+use gltf_json::validation::Checked;
+use gltf_json::{Index, Mesh};
+use std::collections::HashMap;
+
+/// Nothing lies farther from the origin (m): beyond it, single precision has steps of more than 50 m.
+const MAX_DISTANCE: f32 = 1e9;
+/// Draws of a scene, so that a small file in which many nodes show many primitives does not fill the memory.
+const MAX_DRAWS: usize = 1 << 20;
+/// Vertices and indices of a scene (2 GiB each).
+const MAX_VERTICES: usize = 1 << 26;
+const MAX_INDICES: usize = 1 << 29;
+
+/// Everything that a range of vertices is made from. Primitives that agree in it share the range.
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct VertexKey {
+    positions: usize,
+    normals: Option<usize>,
+    tangents: Option<usize>,
+    uvs: Option<(u32, usize)>,
+    colors: Option<usize>,
+    mirrored_tangents: bool,
+    /// Where corners get vertices of their own: flat normals and tangents depend on the triangles.
+    corners: Option<Corners>,
+}
+
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct Corners {
+    indices: Option<usize>,
+    mode: u8,
+    mirrored: bool,
+    /// The normal map's material, where tangents are made for it.
+    material: Option<u32>,
+}
+
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct IndexKey {
+    vertices: VertexKey,
+    indices: Option<usize>,
+    mode: u8,
+    mirrored: bool,
+}
+
+/// A range of vertices.
+#[derive(Clone, Copy)]
+struct Vertices {
+    offset: u32,
+    count: u32,
+}
+
+/// A range of triangles and the box around them, in their own space.
+#[derive(Clone, Copy)]
+struct Triangles {
+    vertex_offset: u32,
+    first_index: u32,
+    index_count: u32,
+    bounds: Aabb,
+}
+
+struct Builder<'a> {
+    file: &'a File<'a>,
+    scene: &'a mut Scene,
+    warnings: &'a mut Warnings,
+    vertices: HashMap<VertexKey, Vertices>,
+    triangles: HashMap<IndexKey, Option<Triangles>>,
+}
+
+/// Adds all meshes to the scene.
+pub fn build(file: &File<'_>, meshes: &[PlacedMesh], materials: &Materials, scene: &mut Scene, warnings: &mut Warnings) -> Result<()> {
+    let mut builder = Builder { file, scene, warnings, vertices: HashMap::new(), triangles: HashMap::new() };
+    for placed in meshes {
+        let mesh = file.get(placed.mesh, "mesh")?;
+        builder.mesh(mesh, placed, materials).with_context(|| label("mesh", placed.mesh.value(), mesh.name.as_ref()))?;
+    }
+    Ok(())
+}
+
+impl Builder<'_> {
+    fn mesh(&mut self, mesh: &Mesh, placed: &PlacedMesh, materials: &Materials) -> Result<()> {
+        for (i, primitive) in mesh.primitives.iter().enumerate() {
+            let material = materials.get(primitive.material);
+            let Some(triangles) = self.primitive(primitive, material, placed.mirrored).with_context(|| format!("primitive {i}"))? else {
+                continue;
+            };
+            let reach = |corner: Vec3| placed.transform.transform_point3(corner).abs().max_element();
+            // Not a maximum: NaN must not pass.
+            if !triangles.bounds.corners().into_iter().all(|corner| reach(corner) <= MAX_DISTANCE) {
+                refuse!("at node {} it reaches farther than {MAX_DISTANCE:e} m from the origin", placed.node);
+            }
+            if self.scene.draws.len() == MAX_DRAWS {
+                refuse!("the nodes show more than {MAX_DRAWS} primitives");
+            }
+            self.scene.draws.push(Draw {
+                first_index: triangles.first_index,
+                index_count: triangles.index_count,
+                vertex_offset: triangles.vertex_offset,
+                material: material.index,
+                transform: placed.transform,
+            });
+        }
+        Ok(())
+    }
+
+    /// A primitive's triangles; none where it has none.
+    fn primitive(&mut self, primitive: &Primitive, material: Used, mirrored: bool) -> Result<Option<Triangles>> {
+        let Checked::Valid(mode) = primitive.mode else {
+            refuse!("its mode is none of glTF's");
+        };
+        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            self.warnings.add(Warning::PointsAndLines, "points and lines are not supported: they are left out");
+            return Ok(None);
+        }
+        if primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
+            self.warnings.add(Warning::MorphTarget, "morph targets are not supported: meshes are shown without them");
+        }
+        let attribute = |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
+        let Some(positions) = attribute(Semantic::Positions) else {
+            refuse!("it has no POSITION");
+        };
+        let uvs = attribute(Semantic::TexCoords(material.uv_set));
+        if uvs.is_none() && material.has_maps {
+            let (name, set) = (&self.scene.materials[material.index as usize].name, material.uv_set);
+            let sentence =
+                format!("material {name:?} has textures at TEXCOORD_{set}, which a mesh lacks: it shows their first texel there");
+            self.warnings.add(Warning::NoUvs, sentence);
+        }
+        let normals = attribute(Semantic::Normals);
+        // Without normals, given tangents mean nothing.
+        let tangents = attribute(Semantic::Tangents).filter(|_| material.has_normal_map && normals.is_some());
+        let makes_tangents = material.has_normal_map && tangents.is_none();
+        let value = |index: Index<Accessor>| index.value();
+        let (indices, mode_number) = (primitive.indices.map(value), mode as u8);
+        let corners = (normals.is_none() || makes_tangents).then(|| Corners {
+            indices,
+            mode: mode_number,
+            mirrored,
+            material: makes_tangents.then_some(material.index),
+        });
+        let vertices = VertexKey {
+            positions: value(positions),
+            normals: normals.map(value),
+            tangents: tangents.map(value),
+            uvs: uvs.map(|uvs| (material.uv_set, value(uvs))),
+            colors: attribute(Semantic::Colors(0)).map(value),
+            mirrored_tangents: mirrored && material.has_normal_map,
+            corners,
+        };
+        let key = IndexKey { vertices, indices, mode: mode_number, mirrored };
+        if let Some(known) = self.triangles.get(&key) {
+            return Ok(*known);
+        }
+        let made = self.triangles(&key, mode)?;
+        self.triangles.insert(key, made);
+        Ok(made)
+    }
+
+    fn triangles(&mut self, key: &IndexKey, mode: Mode) -> Result<Option<Triangles>> {
+        let count = self.file.count(Index::new(key.vertices.positions as u32))?;
+        let mut indices = match key.indices {
+            Some(indices) => {
+                let list = self.file.indices(Index::new(indices as u32))?;
+                if let Some(bad) = list.iter().find(|&&i| u64::from(i) >= count) {
+                    refuse!("its indices (accessor {indices}) name vertex {bad}, it has {count}");
+                }
+                triangulate(list.len(), mode, |i| list[i])
+            }
+            None => {
+                // Reading them first holds the count against the bytes that are there.
+                self.file.floats::<3>(Index::new(key.vertices.positions as u32), Attribute::Position)?;
+                triangulate(usize::try_from(count)?, mode, |i| i as u32)
+            }
+        };
+        let range = match key.vertices.corners {
+            None => self.shared_vertices(&key.vertices)?,
+            Some(_) => {
+                let mut vertices = self.read_vertices(&key.vertices)?;
+                if key.vertices.normals.is_none() {
+                    make_flat(&mut vertices, &mut indices);
+                }
+                if let Some(map) = normal_map(self.scene, &key.vertices) {
+                    tangents::fill(&mut vertices, &mut indices, |uv| map.matrix * uv + map.offset);
+                    if key.mirrored {
+                        vertices.iter_mut().for_each(|vertex| vertex.tangent = pack::mirrored_tangent(vertex.tangent));
+                    }
+                }
+                self.append(vertices)?
+            }
+        };
+        if indices.is_empty() {
+            return Ok(None);
+        }
+        if key.mirrored {
+            indices.as_chunks_mut::<3>().0.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
+        }
+        let vertices = &self.scene.vertices[range.offset as usize..][..range.count as usize];
+        let bounds = Aabb::of(indices.iter().map(|&i| vertices[i as usize].position.into()));
+        let (first_index, index_count) = (self.scene.indices.len(), indices.len());
+        if first_index + index_count > MAX_INDICES {
+            refuse!("with it, the scene has more than {MAX_INDICES} indices");
+        }
+        self.scene.indices.append(&mut indices);
+        Ok(Some(Triangles { vertex_offset: range.offset, first_index: first_index as u32, index_count: index_count as u32, bounds }))
+    }
+
+    /// The range of vertices that primitives of the same attributes share.
+    fn shared_vertices(&mut self, key: &VertexKey) -> Result<Vertices> {
+        if let Some(known) = self.vertices.get(key) {
+            return Ok(*known);
+        }
+        let vertices = self.read_vertices(key)?;
+        let range = self.append(vertices)?;
+        self.vertices.insert(key.clone(), range);
+        Ok(range)
+    }
+
+    fn append(&mut self, mut vertices: Vec<Vertex>) -> Result<Vertices> {
+        let (offset, count) = (self.scene.vertices.len(), vertices.len());
+        if offset + count > MAX_VERTICES {
+            refuse!("with it, the scene has more than {MAX_VERTICES} vertices");
+        }
+        self.scene.vertices.append(&mut vertices);
+        Ok(Vertices { offset: offset as u32, count: count as u32 })
+    }
+
+    /// The vertices as the file has them. Where it has no normals they are left open.
+    fn read_vertices(&mut self, key: &VertexKey) -> Result<Vec<Vertex>> {
+        let file = self.file;
+        let positions: Vec<[f32; 3]> = read(file, Some(key.positions), Attribute::Position, None)?;
+        let count = Some(positions.len());
+        let normals: Vec<[f32; 3]> = read(file, key.normals, Attribute::Normal, count)?;
+        let uvs: Vec<[f32; 2]> = read(file, key.uvs.map(|(_, uvs)| uvs), Attribute::TexCoord(key.uvs.map_or(0, |(set, _)| set)), count)?;
+        let colors: Vec<[f32; 4]> = read(file, key.colors, Attribute::Color, count)?;
+        let tangents: Vec<[f32; 4]> = read(file, key.tangents, Attribute::Tangent, count)?;
+        let handedness = if key.mirrored_tangents { -1.0 } else { 1.0 };
+        let mut invalid_normals = 0usize;
+        let vertices = positions.iter().enumerate().map(|(i, &position)| {
+            let normal = normals.get(i).map_or(Vec3::Y, |&normal| {
+                Vec3::from(normal).try_normalize().unwrap_or_else(|| {
+                    invalid_normals += 1;
+                    Vec3::Y
+                })
+            });
+            let tangent = tangents.get(i).map_or(0, |&tangent| {
+                let tangent = Vec4::from(tangent);
+                let direction = tangent.truncate().try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
+                pack::tangent(direction, tangent.w * handedness)
+            });
+            Vertex {
+                position,
+                normal: pack::octahedral_snorm16(normal),
+                uv: uvs.get(i).copied().unwrap_or_default(),
+                color: colors.get(i).map_or(u32::MAX, |&color| pack::unorm8x4(color)),
+                tangent,
+            }
+        });
+        let vertices = vertices.collect();
+        if invalid_normals > 0 {
+            self.warnings.add(Warning::Normals, "some normals have no length: they are taken to point upwards");
+        }
+        Ok(vertices)
+    }
+}
+
+/// The normal map that vertices need tangents made for.
+fn normal_map(scene: &Scene, key: &VertexKey) -> Option<Map> {
+    scene.materials[key.corners.as_ref()?.material? as usize].normal_map
+}
+
+/// An attribute of `count` elements, or nothing where it is not there.
+fn read<const N: usize>(file: &File<'_>, index: Option<usize>, attribute: Attribute, count: Option<usize>) -> Result<Vec<[f32; N]>> {
+    let Some(index) = index else {
+        return Ok(Vec::new());
+    };
+    let elements = file.floats(Index::new(index as u32), attribute)?;
+    if let Some(count) = count.filter(|&count| count != elements.len()) {
+        refuse!("its {attribute} has {} elements, its POSITION {count}", elements.len());
+    }
+    Ok(elements)
+}
+
+/// The corners of `count` vertices' triangles, each a vertex index. Triangles without area by their indices alone, as strips
+/// have where they are joined, are left out.
+fn triangulate(count: usize, mode: Mode, index: impl Fn(usize) -> u32) -> Vec<u32> {
+    let triangles = if mode == Mode::Triangles { count / 3 } else { count.saturating_sub(2) };
+    let mut indices = Vec::with_capacity(3 * triangles);
+    for i in 0..triangles {
+        let corners = match mode {
+            Mode::TriangleStrip => [i, i + 1 + i % 2, i + 2 - i % 2],
+            Mode::TriangleFan => [i + 1, i + 2, 0],
+            _ => [3 * i, 3 * i + 1, 3 * i + 2],
+        };
+        let [a, b, c] = corners.map(&index);
+        if a != b && b != c && c != a {
+            indices.extend([a, b, c]);
+        }
+    }
+    indices
+}
+
+/// Gives every corner a vertex of its own with its triangle's normal. Triangles without area have none, and are left out.
+fn make_flat(vertices: &mut Vec<Vertex>, indices: &mut Vec<u32>) {
+    let mut flat = Vec::with_capacity(indices.len());
+    for corners in indices.as_chunks::<3>().0 {
+        let corners = corners.map(|i| vertices[i as usize]);
+        let [a, b, c] = corners.map(|vertex| Vec3::from(vertex.position).as_dvec3());
+        if let Some(normal) = (b - a).cross(c - a).try_normalize() {
+            let normal = pack::octahedral_snorm16(normal.as_vec3());
+            flat.extend(corners.map(|vertex| Vertex { normal, ..vertex }));
+        }
+    }
+    *indices = (0..flat.len() as u32).collect();
+    *vertices = flat;
+}

@@ -1,0 +1,147 @@
+//! glTF 2.0 files (.glb, or .gltf with buffers and images beside it or embedded) as a [`Scene`].
+//!
+//! Only what the chosen scene uses is read: its nodes' meshes, their materials and those materials' images. A file is never
+//! trusted: every index, offset, count and size in it is checked before it is used, and what is wrong is said in one sentence
+//! that names the object. What is legal but cannot be shown becomes a warning.
+
+mod accessors;
+mod buffers;
+mod container;
+mod geometry;
+mod images;
+mod lights;
+mod materials;
+mod nodes;
+
+use super::Scene;
+use anyhow::{Context, Result};
+use buffers::Buffers;
+use gltf_json::{Index, Root};
+use std::path::Path;
+
+/// Leaves the function with a [`BadInput`](crate::error::Exit::BadInput) failure.
+macro_rules! refuse {
+    ($($message:tt)+) => {
+        return Err($crate::fail!(BadInput, $($message)+))
+    };
+}
+use refuse;
+
+/// Which of a file's scenes to load.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SceneChoice {
+    /// Counted from zero, in the file's order.
+    Index(usize),
+    /// The first of that name.
+    Name(String),
+}
+
+/// A scene as it was read, and what of the file it leaves out.
+#[derive(Debug)]
+pub struct Loaded {
+    pub scene: Scene,
+    /// One sentence each, for the user; each is there only once.
+    pub warnings: Vec<String>,
+}
+
+/// Loads the file's default scene, or the chosen one. Files that it refers to are looked for beside it.
+///
+/// # Errors
+/// [`BadInput`](crate::error::Exit::BadInput), beginning with the path, where a file cannot be read or is not a sound glTF 2.0
+/// file, requires an unknown extension, or shows no triangle.
+pub fn load(path: &Path, choice: Option<&SceneChoice>) -> Result<Loaded> {
+    let name = path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
+    buffers::read_file(path, u64::MAX)
+        .and_then(|bytes| read(&bytes, Some(path.parent().unwrap_or(Path::new(""))), &name, choice))
+        .with_context(|| path.display().to_string())
+}
+
+/// Loads a scene from the bytes of a .glb or .gltf file. `base` is the folder of the files that it refers to; without one,
+/// such references are refused. `name` is what errors begin with and the scene is called.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_slice(bytes: &[u8], base: Option<&Path>, name: &str, choice: Option<&SceneChoice>) -> Result<Loaded> {
+    read(bytes, base, name, choice).with_context(|| name.to_string())
+}
+
+/// What every part of the loader looks things up in.
+struct File<'a> {
+    root: Root,
+    buffers: Buffers<'a>,
+    base: Option<&'a Path>,
+    /// Vertex attributes may be integers (KHR_mesh_quantization).
+    quantized: bool,
+}
+
+impl File<'_> {
+    /// The object at an index that the file gives.
+    fn get<T>(&self, index: Index<T>, kind: &str) -> Result<&T>
+    where
+        Root: AsRef<[T]>,
+    {
+        let all: &[T] = self.root.as_ref();
+        let Some(object) = all.get(index.value()) else {
+            refuse!("{kind} {index} does not exist, the file has {}", all.len());
+        };
+        Ok(object)
+    }
+}
+
+/// What the file has that cannot be shown: of each kind the first object's sentence, and how many there were.
+#[derive(Default)]
+struct Warnings(Vec<(Warning, String, usize)>);
+
+/// Kinds of warnings.
+#[derive(Clone, Copy, PartialEq)]
+enum Warning {
+    Extension,
+    Animation,
+    Skin,
+    MorphTarget,
+    HiddenNode,
+    LightRange,
+    Orthographic,
+    UvSets,
+    NoUvs,
+    Blending,
+    PointsAndLines,
+    Normals,
+}
+
+impl Warnings {
+    fn add(&mut self, kind: Warning, sentence: impl Into<String>) {
+        match self.0.iter_mut().find(|(known, ..)| *known == kind) {
+            Some((_, _, count)) => *count += 1,
+            None => self.0.push((kind, sentence.into(), 1)),
+        }
+    }
+
+    fn sentences(self) -> Vec<String> {
+        self.0.into_iter().map(|(_, text, count)| if count > 1 { format!("{text} ({} more like this)", count - 1) } else { text }).collect()
+    }
+}
+
+/// How an object is called in messages: its kind, index and, where it has one, name.
+fn label(kind: &str, index: usize, name: Option<&String>) -> String {
+    name.map_or_else(|| format!("{kind} {index}"), |name| format!("{kind} {index} ({name:?})"))
+}
+
+fn read(bytes: &[u8], base: Option<&Path>, name: &str, choice: Option<&SceneChoice>) -> Result<Loaded> {
+    let mut warnings = Warnings::default();
+    let container = container::split(bytes)?;
+    let root = container::parse(container.json, &mut warnings)?;
+    let buffers = Buffers::load(&root, container.bin, base)?;
+    let quantized = root.extensions_used.iter().chain(&root.extensions_required).any(|name| name == "KHR_mesh_quantization");
+    let file = File { root, buffers, base, quantized };
+
+    let placed = nodes::walk(&file, choice, &mut warnings)?;
+    let mut scene = Scene { name: name.to_string(), lights: placed.lights, cameras: placed.cameras, ..Scene::default() };
+    let materials = materials::read(&file, &placed.meshes, &mut scene, &mut warnings)?;
+    images::decode(&file, &materials.images, &mut scene)?;
+    geometry::build(&file, &placed.meshes, &materials, &mut scene, &mut warnings)?;
+    if scene.draws.is_empty() {
+        refuse!("the scene has no triangles");
+    }
+    Ok(Loaded { scene, warnings: warnings.sentences() })
+}

@@ -1,0 +1,8 @@
+//! The glTF loader: real scenes, every feature by a small file made here, and files that lie.
+
+mod geometry;
+mod hostile;
+mod make;
+mod materials;
+mod places;
+mod scenes;

@@ -1,0 +1,193 @@
+//! Small glTF files made by code, to be bent by tests.
+
+use glam::{Vec2, Vec3};
+use manylight::scene::gltf::{self, Loaded, SceneChoice};
+use manylight::scene::{Draw, Scene, Vertex, pack};
+use serde_json::{Value, json};
+
+pub const I8: u32 = 5120;
+pub const U8: u32 = 5121;
+pub const I16: u32 = 5122;
+pub const U16: u32 = 5123;
+pub const U32: u32 = 5125;
+pub const F32: u32 = 5126;
+
+/// A glTF file as its JSON and its one buffer.
+#[derive(Clone)]
+pub struct Make {
+    pub json: Value,
+    pub bin: Vec<u8>,
+}
+
+/// The corners of the square that [`Make::square`] has, counter-clockwise seen from +Z.
+pub const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// Its texture coordinates, as an image that hangs upright.
+pub const UVS: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
+
+impl Make {
+    /// A scene with one node, one mesh and no attributes yet.
+    pub fn empty() -> Self {
+        let json = json!({
+            "asset": {"version": "2.0"},
+            "scene": 0, "scenes": [{"name": "only", "nodes": [0]}],
+            "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {}}]}],
+            "accessors": [], "bufferViews": [],
+        });
+        Self { json, bin: Vec::new() }
+    }
+
+    /// A square of two triangles at z = 0 that faces +Z: positions, normals, indices.
+    pub fn square() -> Self {
+        let mut make = Self::empty();
+        let positions = make.floats("VEC3", CORNERS.as_flattened());
+        let normals = make.floats("VEC3", [[0.0f32, 0.0, 1.0]; 4].as_flattened());
+        let indices = make.accessor(U8, "SCALAR", 6, &[0, 1, 2, 0, 2, 3]);
+        *make.primitive() = json!({"attributes": {"POSITION": positions, "NORMAL": normals}, "indices": indices});
+        make
+    }
+
+    /// The square with texture coordinates and a material.
+    pub fn textured(material: Value) -> Self {
+        let mut make = Self::square();
+        make.attribute("TEXCOORD_0", F32, "VEC2", &bytes(UVS.as_flattened()));
+        make.json["materials"] = json!([material]);
+        make.primitive()["material"] = json!(0);
+        make
+    }
+
+    pub fn primitive(&mut self) -> &mut Value {
+        &mut self.json["meshes"][0]["primitives"][0]
+    }
+
+    pub fn node(&mut self) -> &mut Value {
+        &mut self.json["nodes"][0]
+    }
+
+    /// Adds bytes, aligned, as a buffer view.
+    pub fn view(&mut self, bytes: &[u8]) -> usize {
+        self.bin.resize(self.bin.len().next_multiple_of(4), 0);
+        let view = json!({"buffer": 0, "byteOffset": self.bin.len(), "byteLength": bytes.len()});
+        self.bin.extend_from_slice(bytes);
+        push(&mut self.json["bufferViews"], view)
+    }
+
+    pub fn accessor(&mut self, component: u32, kind: &str, count: usize, bytes: &[u8]) -> usize {
+        let view = self.view(bytes);
+        push(&mut self.json["accessors"], json!({"bufferView": view, "componentType": component, "type": kind, "count": count}))
+    }
+
+    pub fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
+        self.accessor(F32, kind, values.len() / dimensions(kind), &bytes(values))
+    }
+
+    /// Sets an attribute of the first primitive to new data; as many elements as the square has corners.
+    pub fn attribute(&mut self, name: &str, component: u32, kind: &str, bytes: &[u8]) -> usize {
+        let accessor = self.accessor(component, kind, 4, bytes);
+        self.primitive()["attributes"][name] = json!(accessor);
+        accessor
+    }
+
+    /// Adds an image and a texture that shows it with the default sampler.
+    pub fn texture(&mut self, encoded: &[u8]) -> usize {
+        let view = self.view(encoded);
+        let images = self.json.as_object_mut().unwrap().entry("images").or_insert(json!([]));
+        let image = push(images, json!({"bufferView": view, "mimeType": "image/png"}));
+        let textures = self.json.as_object_mut().unwrap().entry("textures").or_insert(json!([]));
+        push(textures, json!({"source": image}))
+    }
+
+    /// The JSON with the buffer as it must be for a file whose buffer has that URI, or is a .glb's.
+    pub fn document(&self, uri: Option<&str>) -> Value {
+        let mut json = self.json.clone();
+        if json.get("buffers").is_none() {
+            json["buffers"] = json!([{"byteLength": self.bin.len()}]);
+            if let Some(uri) = uri {
+                json["buffers"][0]["uri"] = json!(uri);
+            }
+        }
+        json
+    }
+
+    pub fn gltf(&self, uri: &str) -> Vec<u8> {
+        serde_json::to_vec(&self.document(Some(uri))).unwrap()
+    }
+
+    pub fn glb(&self) -> Vec<u8> {
+        glb(&serde_json::to_vec(&self.document(None)).unwrap(), &self.bin)
+    }
+
+    pub fn load(&self) -> anyhow::Result<Loaded> {
+        gltf::load_slice(&self.glb(), None, "made.glb", None)
+    }
+
+    pub fn load_scene(&self, choice: SceneChoice) -> anyhow::Result<Loaded> {
+        gltf::load_slice(&self.glb(), None, "made.glb", Some(&choice))
+    }
+
+    /// The scene, which must come without a warning.
+    pub fn scene(&self) -> Scene {
+        let loaded = self.load().unwrap_or_else(|error| panic!("{error:#}"));
+        assert_eq!(loaded.warnings, Vec::<String>::new());
+        loaded.scene
+    }
+}
+
+pub fn push(list: &mut Value, value: Value) -> usize {
+    let list = list.as_array_mut().unwrap();
+    list.push(value);
+    list.len() - 1
+}
+
+fn dimensions(kind: &str) -> usize {
+    match kind {
+        "SCALAR" => 1,
+        "VEC2" => 2,
+        "VEC3" => 3,
+        "VEC4" => 4,
+        other => panic!("{other}"),
+    }
+}
+
+/// The file of a JSON text and a buffer.
+pub fn glb(json: &[u8], bin: &[u8]) -> Vec<u8> {
+    let chunk = |kind: &[u8; 4], data: &[u8], pad: u8| {
+        let mut padded = data.to_vec();
+        padded.resize(data.len().next_multiple_of(4), pad);
+        [&(padded.len() as u32).to_le_bytes()[..], kind, &padded].concat()
+    };
+    let body = [chunk(b"JSON", json, b' '), chunk(b"BIN\0", bin, 0)].concat();
+    [&b"glTF"[..], &2u32.to_le_bytes(), &(12 + body.len() as u32).to_le_bytes(), &body].concat()
+}
+
+pub fn bytes<T: bytemuck::NoUninit>(values: &[T]) -> Vec<u8> {
+    bytemuck::cast_slice(values).to_vec()
+}
+
+/// A PNG of the texels' one row, or of any other shape.
+pub fn png(width: u32, height: u32, rgba: &[u8]) -> Vec<u8> {
+    let mut file = std::io::Cursor::new(Vec::new());
+    let image = image::RgbaImage::from_raw(width, height, rgba.to_vec()).unwrap();
+    image.write_to(&mut file, image::ImageFormat::Png).unwrap();
+    file.into_inner()
+}
+
+/// The vertices at the corners of a draw's triangles, in order.
+pub fn corners(scene: &Scene, draw: &Draw) -> Vec<Vertex> {
+    let indices = &scene.indices[draw.first_index as usize..][..draw.index_count as usize];
+    indices.iter().map(|&i| scene.vertices[(draw.vertex_offset + i) as usize]).collect()
+}
+
+/// Their positions in the world.
+pub fn positions(scene: &Scene, draw: &Draw) -> Vec<Vec3> {
+    corners(scene, draw).iter().map(|vertex| draw.transform.transform_point3(vertex.position.into())).collect()
+}
+
+/// Their unpacked normals, in the draw's own space.
+pub fn normals(scene: &Scene, draw: &Draw) -> Vec<Vec3> {
+    corners(scene, draw).iter().map(|vertex| pack::octahedral_snorm16_inverse(vertex.normal)).collect()
+}
+
+pub fn uvs(scene: &Scene, draw: &Draw) -> Vec<Vec2> {
+    corners(scene, draw).iter().map(|vertex| vertex.uv.into()).collect()
+}
