@@ -36,7 +36,8 @@ void main() {
     float reach = params.plane_distance * view.it.near / z;
     vec3 sum = own.rgb * float(params.radius);
     float weights = float(params.radius);
-    ivec2 direction = VERTICAL ? ivec2(0, 1) : ivec2(1, 0);
+    ivec2 direction = ivec2(1, 0);
+    if (VERTICAL) direction = ivec2(0, 1);
     for (int offset = 1 - params.radius; offset < params.radius; offset++) {
         ivec2 other = pixel + direction * offset;
         if (offset == 0 || any(lessThan(other, ivec2(0))) || any(greaterThanEqual(other, size))) continue;

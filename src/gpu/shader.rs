@@ -1,6 +1,7 @@
 //! A compiled shader and what reflection says of it: names, kinds, access, and the layout of its blocks.
 
 use anyhow::{Context, Result, bail};
+use spirq::constant::ConstantValue;
 use spirq::prelude::*;
 use spirq::ty::{AccessType, DescriptorType, Type};
 use std::collections::HashMap;
@@ -60,7 +61,7 @@ pub enum ShaderAccess {
     ReadWrite,
 }
 
-/// The layout of a block. Where a block is one runtime array of structs, its members are the struct's.
+/// The layout of a block. Where a block is nothing but a struct, or a runtime array of structs, its members are the struct's.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Block {
     pub members: Vec<BlockMember>,
@@ -117,8 +118,8 @@ impl Shader {
         for mode in &entry.exec_modes {
             if matches!(mode.exec_mode, spirq::spirv::ExecutionMode::LocalSize | spirq::spirv::ExecutionMode::LocalSizeId) {
                 for (axis, operand) in mode.operands.iter().take(3).enumerate() {
-                    let value = operand.value.to_u32().with_context(|| format!("glsl/{name}: local size"))?;
-                    shader.local_size[axis] = (value as u32, operand.spec_id);
+                    let ConstantValue::U32(value) = operand.value else { bail!("glsl/{name}: its workgroup size is no constant") };
+                    shader.local_size[axis] = (value, operand.spec_id);
                 }
             }
         }
@@ -184,10 +185,12 @@ fn block(ty: &Type) -> Block {
     };
     if let Type::Struct(s) = ty
         && let [only] = s.members.as_slice()
-        && let Type::Array(array) = &only.ty
-        && array.nelement.is_none()
     {
-        return Block { members: members(&array.element_ty), stride: array.stride };
+        match &only.ty {
+            Type::Array(array) if array.nelement.is_none() => return Block { members: members(&array.element_ty), stride: array.stride },
+            Type::Struct(_) => return Block { members: members(&only.ty), stride: None },
+            _ => {}
+        }
     }
     Block { members: members(ty), stride: None }
 }
