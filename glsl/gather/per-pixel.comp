@@ -1,13 +1,15 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
 // Irradiance from virtual point lights. Pixels of an n x n pattern take one n^2-th of the VPLs each; a workgroup takes pixels n
 // apart, so that all of it runs through the same VPLs while it reads and writes the G-buffer's own pixels (Linke 2016, 4.5).
 #include "lib/packing.glsl"
 #include "lib/view.glsl"
 #include "lib/vpl.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 8, local_size_y = 4) in;
 layout(constant_id = 0) const uint INTERLEAVE = 1;
 
 layout(scalar, push_constant) uniform Params {
@@ -22,44 +24,75 @@ layout(scalar) readonly buffer Points { VplPoint at[]; } points;
 layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
 layout(rgba16f) writeonly uniform image2D irradiance;
 
-// Of the workgroup's VPLs, unpacked once for all of its pixels.
-const uint BATCH = 64;
-shared vec4 positions[BATCH];
-shared vec4 normals[BATCH];
-shared vec4 colors[BATCH];
+// A pixel being shaded.
+struct Receiver {
+    ivec2 pixel;
+    vec3 position;
+    vec3 normal;
+    vec3 sum;
+};
+
+Receiver receiver(ivec2 pixel) {
+    Receiver r = Receiver(pixel, vec3(0.0), vec3(0.0), vec3(0.0));
+    if (all(lessThan(uvec2(pixel), uvec2(view.it.width, view.it.height)))) {
+        float z = texelFetch(depth, pixel, 0).r;
+        if (z > 0.0) {
+            r.position = view_position(view.it, pixel, z);
+            r.normal = octahedral_inverse(texelFetch(normal, pixel, 0).xy);
+        }
+    }
+    return r;
+}
+
+// A VPL radiates intensity * cosine; d_min bounds what nears infinity as the two points meet.
+void shade(inout Receiver r, vec3 position, vec3 facing, vec3 intensity) {
+    vec3 v = position - r.position;
+    float squared = dot(v, v);
+    float cosines = max(dot(r.normal, v), 0.0) * max(-dot(facing, v), 0.0);
+    r.sum += intensity * (cosines / max(squared * max(squared, params.squared_min_distance), 1e-20));
+}
+
+void store(Receiver r) {
+    if (any(greaterThanEqual(uvec2(r.pixel), uvec2(view.it.width, view.it.height)))) return;
+    imageStore(irradiance, r.pixel, vec4(r.sum * float(INTERLEAVE * INTERLEAVE), 1.0));
+}
 
 void main() {
-    // Neighbouring workgroups take the sample sets of the same block of pixels.
+    // Neighbouring workgroups take the sample sets of the same block of pixels. An invocation shades 2 x 2 of its set, so that a
+    // VPL is fetched once for all four.
     uvec2 set = gl_WorkGroupID.xy % INTERLEAVE;
-    uvec2 block = gl_WorkGroupID.xy / INTERLEAVE * gl_WorkGroupSize.xy * INTERLEAVE;
-    ivec2 pixel = ivec2(block + gl_LocalInvocationID.xy * INTERLEAVE + set);
+    uvec2 block = gl_WorkGroupID.xy / INTERLEAVE * gl_WorkGroupSize.xy * 2u * INTERLEAVE;
+    ivec2 pixel = ivec2(block + gl_LocalInvocationID.xy * 2u * INTERLEAVE + set);
+    const int STEP = int(INTERLEAVE);
+    Receiver a = receiver(pixel);
+    Receiver b = receiver(pixel + ivec2(STEP, 0));
+    Receiver c = receiver(pixel + ivec2(0, STEP));
+    Receiver d = receiver(pixel + ivec2(STEP, STEP));
+
     const uint SETS = INTERLEAVE * INTERLEAVE;
     uint first = set.y * INTERLEAVE + set.x;
     uint count = first < params.count ? (params.count - first + SETS - 1u) / SETS : 0u;
-
-    bool inside = all(lessThan(uvec2(pixel), uvec2(view.it.width, view.it.height)));
-    float z = inside ? texelFetch(depth, pixel, 0).r : 0.0;
-    vec3 x = view_position(view.it, pixel, max(z, 1e-30));
-    vec3 n = z > 0.0 ? octahedral_inverse(texelFetch(normal, pixel, 0).xy) : vec3(0.0);
-
-    vec3 sum = vec3(0.0);
-    for (uint start = 0u; start < count; start += BATCH) {
-        uint size = min(BATCH, count - start);
-        if (gl_LocalInvocationIndex < size) {
-            uint index = first + (start + gl_LocalInvocationIndex) * SETS;
-            VplPoint point = points.at[index];
-            positions[gl_LocalInvocationIndex] = vec4(point.position, 0.0);
-            normals[gl_LocalInvocationIndex] = vec4(octahedral_snorm16_inverse(point.normal), 0.0);
-            colors[gl_LocalInvocationIndex] = vec4(intensities.at[index], 0.0);
+    // Each invocation of a subgroup fetches and unpacks another VPL and hands it round; all add up all of them in the same order,
+    // whatever the subgroup's size.
+    uint lanes = min(gl_SubgroupSize, gl_WorkGroupSize.x * gl_WorkGroupSize.y);
+    for (uint start = 0u; start < count; start += lanes) {
+        uint index = first + min(start + gl_SubgroupInvocationID, count - 1u) * SETS;
+        VplPoint point = points.at[index];
+        vec3 point_normal = octahedral_snorm16_inverse(point.normal);
+        vec3 point_intensity = intensities.at[index];
+        uint size = min(lanes, count - start);
+        for (uint lane = 0u; lane < size; lane++) {
+            vec3 position = subgroupBroadcast(point.position, lane);
+            vec3 facing = subgroupBroadcast(point_normal, lane);
+            vec3 intensity = subgroupBroadcast(point_intensity, lane);
+            shade(a, position, facing, intensity);
+            shade(b, position, facing, intensity);
+            shade(c, position, facing, intensity);
+            shade(d, position, facing, intensity);
         }
-        barrier();
-        for (uint i = 0u; i < size; i++) {
-            vec3 v = positions[i].xyz - x;
-            float squared = dot(v, v);
-            float cosines = max(dot(n, v), 0.0) * max(-dot(normals[i].xyz, v), 0.0);
-            sum += colors[i].rgb * (cosines / max(squared * max(squared, params.squared_min_distance), 1e-20));
-        }
-        barrier();
     }
-    if (inside) imageStore(irradiance, pixel, vec4(sum * float(SETS), 1.0));
+    store(a);
+    store(b);
+    store(c);
+    store(d);
 }

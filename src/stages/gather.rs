@@ -24,11 +24,11 @@ pub fn indirect(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visib
 
 /// Every pixel takes one of every `interleave^2` VPLs (Linke 2016, section 4.5).
 fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, config: &GatherConfig) -> Image {
-    /// Pixels of a workgroup in each direction.
-    const GROUP: u32 = 8;
+    /// Pixels of one sample set that a workgroup shades: 8 x 4 invocations of 2 x 2 each.
+    const GROUP: [u32; 2] = [16, 8];
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
     let n = config.interleave;
-    let groups = gbuffer.size.map(|pixels| pixels.div_ceil(GROUP * n) * n);
+    let groups = [0, 1].map(|axis| gbuffer.size[axis].div_ceil(GROUP[axis] * n) * n);
     g.compute("gather/per-pixel")
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
