@@ -1,6 +1,6 @@
 //! Puts meshes together into a [`Scene`]'s one vertex and one index array.
 
-use super::{Draw, Material, Scene, Texture, Vertex, pack};
+use super::{Draw, Material, Scene, Texture, Vertex, pack, tangents};
 use glam::{Affine3A, Vec2, Vec3};
 
 /// Triangles being made: positions, unit normals and texture coordinates, one of each a vertex.
@@ -45,20 +45,28 @@ impl Scene {
         self.materials.len() as u32 - 1
     }
 
-    /// Adds a mesh's triangles and draws them once at each of `transforms`; a mesh without triangles adds nothing.
+    /// Adds a mesh's triangles and draws them once at each of `transforms`; a mesh without triangles adds nothing. Where the
+    /// material has a normal map, the vertices get their tangents.
     pub fn add_mesh(&mut self, mesh: &Mesh, material: u32, transforms: &[Affine3A]) {
         if mesh.indices.is_empty() {
             return;
         }
         let (vertex_offset, first_index) = (self.vertices.len() as u32, self.indices.len() as u32);
-        self.vertices.extend((0..mesh.positions.len()).map(|i| Vertex {
-            position: mesh.positions[i].into(),
-            normal: pack::octahedral_snorm16(mesh.normals[i]),
-            uv: mesh.uvs[i].into(),
-            color: u32::MAX,
-            tangent: 0,
-        }));
-        self.indices.extend_from_slice(&mesh.indices);
+        let mut vertices: Vec<_> = (0..mesh.positions.len())
+            .map(|i| Vertex {
+                position: mesh.positions[i].into(),
+                normal: pack::octahedral_snorm16(mesh.normals[i]),
+                uv: mesh.uvs[i].into(),
+                color: u32::MAX,
+                tangent: 0,
+            })
+            .collect();
+        let mut indices = mesh.indices.clone();
+        if let Some(map) = self.materials[material as usize].normal_map {
+            tangents::fill(&mut vertices, &mut indices, |uv| map.matrix * uv + map.offset);
+        }
+        self.vertices.append(&mut vertices);
+        self.indices.append(&mut indices);
         self.draws.extend(transforms.iter().map(|&transform| Draw {
             first_index,
             index_count: mesh.indices.len() as u32,

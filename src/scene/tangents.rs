@@ -1,72 +1,53 @@
 //! Tangents for normal maps, by Mikkelsen's algorithm, which the tools that make normal maps use as well.
 
-use super::{Map, Scene, Vertex, pack};
+use super::{Vertex, pack};
 use bevy_mikktspace::{Geometry, TangentSpace};
 use glam::{Vec2, Vec3};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
-/// Gives the vertices that normal-mapped materials draw their tangents, where they have none yet: a vertex whose `tangent`
-/// is 0 has none, so a loader leaves those at 0 that its file is silent about.
+/// Gives the vertices of these triangles their tangents. A vertex whose triangles disagree (a seam, mirrored texture
+/// coordinates) is split: its copies go to the end of `vertices`, and indices change. Indices must be in range.
 ///
-/// A vertex whose triangles disagree (a seam, mirrored texture coordinates) is split: its copies go to the end of
-/// [`Scene::vertices`]. An index range must not be drawn with two vertex offsets. Indices must be in range.
-pub fn fill(scene: &mut Scene) {
-    let mut done = HashSet::new();
-    for i in 0..scene.draws.len() {
-        let draw = &scene.draws[i];
-        let range = (draw.first_index, draw.index_count, draw.vertex_offset);
-        if let Some(map) = scene.materials[draw.material as usize].normal_map
-            && done.insert(range)
-        {
-            fill_range(scene, range, map);
-        }
-    }
-}
-
-fn fill_range(scene: &mut Scene, (first_index, index_count, vertex_offset): (u32, u32, u32), map: Map) {
-    let range = first_index as usize..(first_index + index_count) as usize;
-    let indices: Vec<usize> = scene.indices[range.clone()].iter().map(|&i| (vertex_offset + i) as usize).collect();
-    if indices.iter().all(|&i| scene.vertices[i].tangent != 0) {
-        return;
-    }
-    let mut triangles = Triangles { vertices: &scene.vertices, indices: &indices, map, corners: vec![0; indices.len()] };
+/// `uv` takes a vertex's texture coordinates to those at which the normal map is looked up.
+pub fn fill(vertices: &mut Vec<Vertex>, indices: &mut [u32], uv: impl Fn(Vec2) -> Vec2) {
+    let mut triangles = Triangles { vertices, indices, uv, corners: vec![0; indices.len()] };
     if let Err(error) = bevy_mikktspace::generate_tangents(&mut triangles) {
         unreachable!("this version's error type has no values: {error}");
     }
     let corners = triangles.corners;
 
     // The first tangent that a vertex is given stays with it; others go to copies of it.
-    let mut copies: HashMap<(usize, u32), u32> = HashMap::new();
-    for (corner, (&vertex, &tangent)) in indices.iter().zip(&corners).enumerate() {
-        let kept = scene.vertices[vertex].tangent;
-        if kept == 0 {
-            scene.vertices[vertex].tangent = tangent;
-        } else if kept != tangent {
-            scene.indices[range.start + corner] = *copies.entry((vertex, tangent)).or_insert_with(|| {
-                let copy = Vertex { tangent, ..scene.vertices[vertex] };
-                scene.vertices.push(copy);
-                (scene.vertices.len() - 1) as u32 - vertex_offset
+    let mut first = vec![false; vertices.len()];
+    let mut copies: HashMap<(u32, u32), u32> = HashMap::new();
+    for (index, &tangent) in indices.iter_mut().zip(&corners) {
+        let vertex = *index as usize;
+        if !std::mem::replace(&mut first[vertex], true) {
+            vertices[vertex].tangent = tangent;
+        } else if vertices[vertex].tangent != tangent {
+            *index = *copies.entry((*index, tangent)).or_insert_with(|| {
+                vertices.push(Vertex { tangent, ..vertices[vertex] });
+                vertices.len() as u32 - 1
             });
         }
     }
 }
 
-struct Triangles<'a> {
+struct Triangles<'a, F> {
     vertices: &'a [Vertex],
-    /// Three a triangle, into `vertices`.
-    indices: &'a [usize],
-    map: Map,
-    /// The packed tangent of each of them, never 0.
+    /// Three a triangle.
+    indices: &'a [u32],
+    uv: F,
+    /// The packed tangent of each of them.
     corners: Vec<u32>,
 }
 
-impl Triangles<'_> {
+impl<F> Triangles<'_, F> {
     fn vertex(&self, face: usize, corner: usize) -> &Vertex {
-        &self.vertices[self.indices[3 * face + corner]]
+        &self.vertices[self.indices[3 * face + corner] as usize]
     }
 }
 
-impl Geometry for Triangles<'_> {
+impl<F: Fn(Vec2) -> Vec2> Geometry for Triangles<'_, F> {
     fn num_faces(&self) -> usize {
         self.indices.len() / 3
     }
@@ -83,40 +64,35 @@ impl Geometry for Triangles<'_> {
         pack::octahedral_snorm16_inverse(self.vertex(face, corner).normal).into()
     }
 
-    /// Where the map is looked up, with v upwards: glTF's normal maps have green point up in the image, while its v goes down.
+    /// With v upwards: glTF's normal maps have green point up in the image, while its v goes down.
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
-        let uv = self.map.matrix * Vec2::from(self.vertex(face, corner).uv) + self.map.offset;
+        let uv = (self.uv)(self.vertex(face, corner).uv.into());
         [uv.x, 1.0 - uv.y]
     }
 
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
-        let [x, y, z, handedness] = match space {
-            Some(space) => space.tangent_encoded(),
-            // A triangle without area, on its own or in texture space: any direction in its plane will do.
-            None => pack::octahedral_snorm16_inverse(self.vertex(face, corner).normal).any_orthonormal_vector().extend(1.0).into(),
-        };
-        let normal = pack::octahedral_snorm16_inverse(self.vertex(face, corner).normal);
-        let tangent = Vec3::new(x, y, z).try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
-        self.corners[3 * face + corner] = pack::tangent(tangent, handedness).max(1);
+        let normal = Vec3::from(self.normal(face, corner));
+        let [x, y, z, handedness] = space.map_or([0.0, 0.0, 0.0, 1.0], |space| space.tangent_encoded());
+        // A triangle without area, in space or in texture space, has none: any direction in its plane will do.
+        let tangent = Vec3::new(x, y, z).reject_from_normalized(normal).try_normalize();
+        let tangent = tangent.unwrap_or_else(|| normal.any_orthonormal_vector());
+        self.corners[3 * face + corner] = pack::tangent(tangent, handedness);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Material;
-    use crate::scene::builder::Mesh;
-    use glam::{Affine3A, Mat2};
 
-    fn wall(uvs: [Vec2; 4]) -> (Mesh, Scene) {
-        let mut mesh = Mesh::default();
-        mesh.quad([Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y], uvs);
-        let mut scene = Scene::default();
-        scene.add_material(Material { normal_map: Some(Map::new(0)), ..Material::default() });
-        (mesh, scene)
+    const UPRIGHT: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
+
+    /// A square metre in the xy plane that faces +z.
+    fn wall(uvs: [[f32; 2]; 4]) -> (Vec<Vertex>, Vec<u32>) {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let normal = pack::octahedral_snorm16(Vec3::Z);
+        let vertex = |i: usize| Vertex { position: corners[i], normal, uv: uvs[i], color: u32::MAX, tangent: 0 };
+        (Vec::from_iter((0..4).map(vertex)), vec![0, 1, 2, 0, 2, 3])
     }
-
-    const UPRIGHT: [Vec2; 4] = [Vec2::new(0.0, 1.0), Vec2::new(1.0, 1.0), Vec2::new(1.0, 0.0), Vec2::new(0.0, 0.0)];
 
     fn unpacked(packed: u32) -> (Vec3, f32) {
         let p = Vec2::new((packed & 0x7fff) as f32, (packed >> 15 & 0x7fff) as f32) / 32767.0 * 2.0 - 1.0;
@@ -125,10 +101,9 @@ mod tests {
 
     #[test]
     fn an_upright_picture_has_its_tangent_to_the_right_and_its_bitangent_up() {
-        let (mesh, mut scene) = wall(UPRIGHT);
-        scene.add_mesh(&mesh, 0, &[Affine3A::IDENTITY]);
-        fill(&mut scene);
-        for vertex in &scene.vertices {
+        let (mut vertices, mut indices) = wall(UPRIGHT);
+        fill(&mut vertices, &mut indices, |uv| uv);
+        for vertex in &vertices {
             let (tangent, handedness) = unpacked(vertex.tangent);
             assert!(tangent.distance(Vec3::X) < 1e-3, "{tangent}");
             assert!((handedness * Vec3::Z.cross(tangent)).distance(Vec3::Y) < 1e-3);
@@ -136,61 +111,40 @@ mod tests {
     }
 
     #[test]
-    fn a_mirrored_picture_has_the_other_handedness() {
-        let (mesh, mut scene) = wall(UPRIGHT.map(|uv| Vec2::new(1.0 - uv.x, uv.y)));
-        scene.add_mesh(&mesh, 0, &[Affine3A::IDENTITY]);
-        fill(&mut scene);
-        let (tangent, handedness) = unpacked(scene.vertices[0].tangent);
+    fn a_mirrored_or_turned_look_up_turns_the_tangent() {
+        let (mut vertices, mut indices) = wall(UPRIGHT);
+        fill(&mut vertices, &mut indices, |uv| Vec2::new(1.0 - uv.x, uv.y));
+        let (tangent, handedness) = unpacked(vertices[0].tangent);
         assert!(tangent.distance(Vec3::NEG_X) < 1e-3 && handedness < 0.0, "{tangent} {handedness}");
+        fill(&mut vertices, &mut indices, |uv| Vec2::new(1.0 - uv.y, uv.x));
+        let (tangent, handedness) = unpacked(vertices[0].tangent);
+        assert!(tangent.distance(Vec3::Y) < 1e-3 && handedness > 0.0, "{tangent} {handedness}");
     }
 
     #[test]
-    fn a_picture_that_its_map_turns_has_its_tangent_turned() {
-        let (mesh, mut scene) = wall(UPRIGHT);
-        // u becomes v, and the picture's right goes down the wall.
-        scene.materials[0].normal_map = Some(Map { matrix: Mat2::from_cols(Vec2::Y, Vec2::X), ..Map::new(0) });
-        scene.add_mesh(&mesh, 0, &[Affine3A::IDENTITY]);
-        fill(&mut scene);
-        let (tangent, handedness) = unpacked(scene.vertices[0].tangent);
-        assert!(tangent.distance(Vec3::NEG_Y) < 1e-3 && handedness < 0.0, "{tangent} {handedness}");
-    }
-
-    #[test]
-    fn vertices_between_mirrored_halves_are_split_and_draws_keep_sharing_them() {
-        // Two quads that share an edge, the picture mirrored across it.
-        let (mut mesh, mut scene) = wall(UPRIGHT);
-        let far = [Vec3::new(2.0, 0.0, 0.0), Vec3::new(2.0, 1.0, 0.0)];
-        let c = mesh.vertex(far[0], Vec3::Z, Vec2::new(0.0, 1.0));
-        let d = mesh.vertex(far[1], Vec3::Z, Vec2::new(0.0, 0.0));
-        mesh.indices.extend([1, c, d, 1, d, 2]);
-        scene.add_mesh(&mesh, 0, &[Affine3A::IDENTITY, Affine3A::from_translation(Vec3::Z)]);
-        fill(&mut scene);
-        assert_eq!(scene.vertices.len(), 8, "the two vertices of the shared edge get one copy each");
-        assert_eq!(scene.draws[0].first_index, scene.draws[1].first_index);
-        for (t, triangle) in scene.indices.chunks(3).enumerate() {
+    fn vertices_between_mirrored_halves_are_split() {
+        // Two squares that share an edge, the picture mirrored across it.
+        let (mut vertices, mut indices) = wall(UPRIGHT);
+        for (x, y) in [(2.0, 0.0), (2.0, 1.0)] {
+            vertices.push(Vertex { position: [x, y, 0.0], uv: [0.0, 1.0 - y], ..vertices[0] });
+        }
+        indices.extend([1, 4, 5, 1, 5, 2]);
+        fill(&mut vertices, &mut indices, |uv| uv);
+        assert_eq!(vertices.len(), 8, "the two vertices of the shared edge get one copy each");
+        for (t, triangle) in indices.chunks(3).enumerate() {
             for &i in triangle {
-                assert_eq!(unpacked(scene.vertices[i as usize].tangent).1 > 0.0, t < 2, "triangle {t}");
+                assert_eq!(unpacked(vertices[i as usize].tangent).1 > 0.0, t < 2, "triangle {t}");
             }
         }
-        let again = scene.clone();
-        fill(&mut scene);
-        assert_eq!(again.vertices, scene.vertices, "a second time changes nothing");
     }
 
     #[test]
-    fn tangents_of_a_file_are_kept_and_triangles_without_texture_space_get_finite_ones() {
-        let (mesh, mut scene) = wall(UPRIGHT);
-        scene.add_mesh(&mesh, 0, &[Affine3A::IDENTITY]);
-        scene.vertices.iter_mut().for_each(|v| v.tangent = 42);
-        fill(&mut scene);
-        assert!(scene.vertices.iter().all(|v| v.tangent == 42));
-
-        let (mesh, mut scene) = wall([Vec2::ZERO; 4]);
-        scene.add_mesh(&mesh, 0, &[Affine3A::IDENTITY]);
-        fill(&mut scene);
-        for vertex in &scene.vertices {
+    fn triangles_without_texture_space_get_a_tangent_in_their_plane() {
+        let (mut vertices, mut indices) = wall([[0.5; 2]; 4]);
+        fill(&mut vertices, &mut indices, |uv| uv);
+        for vertex in &vertices {
             let (tangent, _) = unpacked(vertex.tangent);
-            assert!(vertex.tangent != 0 && tangent.z.abs() < 1e-3, "{tangent} is in the plane");
+            assert!(tangent.z.abs() < 1e-3 && (tangent.length() - 1.0).abs() < 1e-3, "{tangent}");
         }
     }
 }

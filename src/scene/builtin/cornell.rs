@@ -72,3 +72,44 @@ fn quad(mesh: &mut Mesh, mut corners: [Vec3; 4], center: Vec3, towards: bool) {
     }
     mesh.quad(corners, [Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::new(1.0, 0.0), Vec2::ZERO]);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Aabb, pack};
+
+    #[test]
+    fn the_box_has_five_walls_that_face_inwards_and_two_blocks_that_face_outwards() {
+        let scene = cornell();
+        assert_eq!((scene.draws.len(), scene.triangle_count()), (7, 30));
+        for (i, draw) in scene.draws.iter().enumerate() {
+            let indices = &scene.indices[draw.first_index as usize..(draw.first_index + draw.index_count) as usize];
+            assert_eq!(indices.len(), if i < 5 { 6 } else { 30 });
+            let block = scene.draw_bounds(draw).center();
+            for triangle in indices.chunks(3) {
+                let [a, b, c] = [0, 1, 2].map(|k| scene.vertices[(draw.vertex_offset + triangle[k]) as usize]);
+                let [pa, pb, pc] = [a, b, c].map(|v| Vec3::from(v.position));
+                let front = (pb - pa).cross(pc - pa).normalize();
+                assert!(front.dot(pack::octahedral_snorm16_inverse(a.normal)) > 0.999);
+                if i < 5 {
+                    assert!(front.dot(Vec3::new(0.0, 2.74, 0.0) - pa) > 2.0, "wall {i} faces away from the room");
+                } else {
+                    assert!(front.dot(pa - block) > 0.4, "a side of block {i} faces its middle");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_box_is_centred_open_to_the_front_and_red_on_the_left() {
+        let scene = cornell();
+        let bounds = scene.draws.iter().fold(Aabb::EMPTY, |all, draw| all.union(scene.draw_bounds(draw)));
+        assert!(bounds.min.distance(Vec3::new(-2.78, 0.0, -2.796)) < 1e-4, "{}", bounds.min);
+        assert!(bounds.max.distance(Vec3::new(2.78, 5.488, 2.796)) < 1e-4, "{}", bounds.max);
+        let red = scene.draws.iter().find(|d| scene.materials[d.material as usize].name == "red").unwrap();
+        assert!(scene.draw_bounds(red).max.x < -2.7);
+        assert!(scene.cameras[0].position.z > bounds.max.z);
+        let heights: Vec<f32> = scene.draws[5..].iter().map(|d| scene.draw_bounds(d).max.y).collect();
+        assert_eq!(heights, [1.65, 3.3]);
+    }
+}

@@ -20,8 +20,9 @@ impl Detail {
         ((full * self.0).round() as usize).max(least)
     }
 
-    /// As [`Detail::count`], for what grows in one direction only: `full` at detail 1, and with the square root else.
-    fn slow(self, full: f32, least: usize) -> usize {
-        ((full * self.0.sqrt()).round() as usize).max(least)
+    /// Whether something small is worth its triangles: it is from the given level on. Levels lie apart, so that the
+    /// number of triangles grows in small steps.
+    fn shows(self, from: f32) -> bool {
+        self.0 > from
     }
 }

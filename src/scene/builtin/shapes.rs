@@ -38,13 +38,16 @@ impl Mesh {
         self.indices.extend(if area.dot(normal) >= 0.0 { [a, b, c] } else { [a, c, b] });
     }
 
-    /// A patch whose normals come from the surface itself: towards `du x dv`, or away from it where `flip` is set.
+    /// A patch whose normals come from the surface itself: towards `du x dv`, or away from it where `flip` is set. They are
+    /// those of the cells around a vertex, so that a coarse mesh is shaded as what it is. `position` is also asked a little
+    /// outside [0, 1] in `u`.
     pub(super) fn surface(&mut self, [nu, nv]: [usize; 2], flip: bool, position: impl Fn(f32, f32) -> Vec3, uv: impl Fn(f32, f32) -> Vec2) {
-        const STEP: f32 = 2e-3;
+        let (hu, hv) = (0.9 / nu as f32, 0.9 / nv as f32);
         self.patch(nu, nv, |u, v| {
-            let (cu, cv) = (u.clamp(STEP, 1.0 - STEP), v.clamp(STEP, 1.0 - STEP));
-            let du = position(cu + STEP, cv) - position(cu - STEP, cv);
-            let dv = position(cu, cv + STEP) - position(cu, cv - STEP);
+            // Where the surface ends in a point it has a normal only next to it.
+            let inside = v.clamp(0.3 * hv, 1.0 - 0.3 * hv);
+            let du = position(u + hu, inside) - position(u - hu, inside);
+            let dv = position(u, (v + hv).min(1.0)) - position(u, (v - hv).max(0.0));
             let normal = du.cross(dv).normalize_or(Vec3::Y);
             (position(u, v), if flip { -normal } else { normal }, uv(u, v))
         });

@@ -15,7 +15,7 @@ mod nodes;
 mod textures;
 mod triangles;
 
-use super::{Scene, tangents};
+use super::Scene;
 use anyhow::{Context, Result};
 use buffers::Buffers;
 use gltf_json::{Index, Root};
@@ -142,7 +142,6 @@ fn read(bytes: &[u8], base: Option<&Path>, name: &str, choice: Option<&SceneChoi
     let materials = materials::read(&file, &placed.meshes, &mut scene, &mut warnings)?;
     images::decode(&file, &materials.textures.images, &mut scene)?;
     geometry::build(&file, &placed.meshes, &materials, &mut scene, &mut warnings)?;
-    tangents::fill(&mut scene);
     if scene.draws.is_empty() {
         refuse!("the scene has no triangles");
     }

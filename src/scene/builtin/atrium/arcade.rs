@@ -18,8 +18,8 @@ pub fn parts(plan: &Plan) -> Vec<Part> {
     }
     let (frame, disc) = roundel(plan);
     let places: Vec<_> = all_columns().into_iter().map(|c| c * Affine3A::from_translation(Vec3::new(0.0, SPRING[0] + 1.1, WALL))).collect();
-    parts.push(Part::at(frame, plan.palette.stone, places.clone()));
-    parts.push(Part::at(disc, plan.palette.majolica, places));
+    parts.push(Part::merged(&frame, plan.palette.stone, &places));
+    parts.push(Part::merged(&disc, plan.palette.majolica, &places));
     parts.push(Part::once(mouldings(plan), plan.palette.stone));
     parts
 }
@@ -28,7 +28,7 @@ pub fn parts(plan: &Plan) -> Vec<Part> {
 fn side_wall(side: &Side, storey: usize, plan: &Plan) -> Mesh {
     const TILE: f32 = 3.0;
     let (spring, radius, top) = (SPRING[storey], RADIUS[storey], WALL_TOP[storey]);
-    let segments = plan.detail.count(24.0, 6);
+    let segments = plan.detail.count(38.0, 4);
     let rows = ((0.5 * (top - spring - radius) / plan.cell()) as usize).max(1);
     let mut mesh = Mesh::default();
     for bay in 0..side.bays {
@@ -45,7 +45,9 @@ fn side_wall(side: &Side, storey: usize, plan: &Plan) -> Mesh {
                 // Behind, the walls of two sides meet beyond the corner.
                 let outermost = bay == if hand < 0.0 { 0 } else { side.bays - 1 };
                 let end = PITCH / 2.0 + if outermost && face < 0.0 { WALL } else { 0.0 };
-                mesh.patch(1, rows * 3, |u, v| point(x + hand * (radius + (end - radius) * u), spring + (top - spring) * v));
+                mesh.patch(1, if plan.detail.shows(0.4) { rows * 3 } else { 1 }, |u, v| {
+                    point(x + hand * (radius + (end - radius) * u), spring + (top - spring) * v)
+                });
             }
         }
         mesh.patch(segments, 1, |u, v| {
@@ -69,15 +71,17 @@ fn archivolt(storey: usize, plan: &Plan) -> Mesh {
         .line(r + 0.225, 0.1)
         .line(r + 0.225, -0.02);
     let mut mesh = Mesh::default();
-    let segments = plan.detail.count(24.0, 6);
+    let segments = plan.detail.count(38.0, 4);
     mesh.archivolt(&profile, Vec3::new(0.0, SPRING[storey], WALL), segments, plan.detail, 1.5);
     let plain = Profile::from(r - 0.015, -0.05).line(r - 0.015, 0.03).line(r + 0.14, 0.03).line(r + 0.14, -0.02);
     let mut back = Mesh::default();
-    if plan.detail.0 > 0.3 {
+    if plan.detail.shows(0.28) {
         back.archivolt(&plain, Vec3::new(0.0, SPRING[storey], WALL), segments, plan.detail, 1.5);
     }
     mesh.append(&back, Affine3A::from_rotation_y(PI));
-    mesh.append(&keystone(r), Affine3A::from_translation(Vec3::new(0.0, SPRING[storey], WALL)));
+    if plan.detail.shows(0.09) {
+        mesh.append(&keystone(r), Affine3A::from_translation(Vec3::new(0.0, SPRING[storey], WALL)));
+    }
     mesh
 }
 
@@ -102,7 +106,7 @@ fn keystone(r: f32) -> Mesh {
 
 /// A round frame and the glazed disc in it, on the wall's face between two arches.
 fn roundel(plan: &Plan) -> (Mesh, Mesh) {
-    let sides = plan.detail.count(32.0, 7);
+    let sides = plan.detail.count(32.0, 5);
     let lying = Affine3A::from_rotation_x(PI / 2.0);
     let ring = Profile::from(0.31, -0.02)
         .line(0.31, 0.05)
@@ -111,7 +115,9 @@ fn roundel(plan: &Plan) -> (Mesh, Mesh) {
         .line(0.225, 0.03)
         .line(0.225, -0.01);
     let mut frame = Mesh::default();
-    frame.lathe(&ring, sides, plan.detail, 1.5);
+    if plan.detail.shows(0.1) {
+        frame.lathe(&ring, sides, plan.detail, 1.5);
+    }
     let mut disc = Mesh::default();
     let dome = Profile::from(0.228, 0.005).curve((0.19, 0.005), (0.17, 0.03), 3.0).curve((0.1, 0.06), (0.0, 0.06), 4.0);
     disc.lathe(&dome, sides, plan.detail, 0.5);
@@ -149,7 +155,7 @@ fn mouldings(plan: &Plan) -> Mesh {
         .curve((WALL + 0.34, y + 0.50), (WALL + 0.40, y + 0.51), 3.0)
         .line(WALL + 0.40, super::EAVES);
     mesh.frame(&cornice, half, false, plan.cell(), plan.detail, 1.5);
-    if plan.detail.0 > 0.45 {
+    if plan.detail.shows(0.5) {
         for (bottom, height, width, gap, depth) in [(UPPER - 0.19, 0.08, 0.09, 0.10, 0.17), (y + 0.08, 0.16, 0.13, 0.17, 0.20)] {
             for side in Side::all() {
                 let length = side.half() - WALL - 0.05;

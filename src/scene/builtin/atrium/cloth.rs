@@ -53,28 +53,29 @@ fn rod(plan: &Plan) -> Mesh {
 /// The two curtains of a bay, each drawn to its column and tied there.
 fn pair(seed: u32, plan: &Plan) -> Mesh {
     let mut mesh = Mesh::default();
+    let cells = [plan.detail.count(84.0, 5), plan.detail.count(20.0, 3)];
     for hand in [0u32, 1] {
         let mut random = Random::new(seed ^ hand << 16);
         let phase = random.range(0.0, TAU);
         let tie = random.range(0.52, 0.58);
-        let folds = 7.0 + random.range(-0.5, 0.5);
+        // No more folds than the mesh can follow.
+        let folds = (7.0 + random.range(-0.5, 0.5)).min(0.14 * cells[0] as f32);
         let mirror = if hand == 0 { 1.0 } else { -1.0 };
         let shape = |u: f32, v: f32| {
             // Full width at the rod, gathered at the tie, falling open again below.
-            let above = (v / tie).min(1.0);
+            let above = (v / tie).clamp(0.0, 1.0);
             let width = if v < tie { 1.16 - 0.94 * above.powf(1.7) } else { 0.22 + 0.2 * step(tie, 1.0, v) };
             let gather = 1.0 - width / 1.16;
             let sag = 0.22 * (above * PI).sin() * u * u;
             let x = (1.24 - 0.03 * gather) - width * u;
             let fold = (TAU * folds * u + phase + 0.7 * (2.3 * v + phase).sin()).sin();
             let slow = (TAU * 2.0 * u + 1.7 * phase + 1.3 * v).sin();
-            let depth = 0.03 + 0.035 * gather + 0.02 * v;
+            let depth = 0.036 - 0.022 * gather + 0.010 * v;
             let belly = 0.05 * step(0.0, 0.4, v) * (1.0 - step(tie - 0.1, tie, v));
             let z = depth * fold + 0.02 * slow * v + belly * (PI * u).sin();
             let y = ROD - 0.01 - 2.28 * v + sag * -0.5;
             Vec3::new(mirror * x, y, z)
         };
-        let cells = [plan.detail.count(56.0, 7), plan.detail.count(22.0, 4)];
         mesh.surface(cells, hand == 1, shape, |u, v| Vec2::new(u * 2.4, v * 2.4) * 1.6);
     }
     mesh

@@ -31,15 +31,15 @@ const ORDERS: [Order; 2] = [
 
 pub fn parts(plan: &Plan) -> Vec<Part> {
     let mut parts: Vec<_> = ORDERS.iter().map(|order| Part::at(column(order, plan), plan.palette.stone, all_columns())).collect();
-    let (shafts, trims) = piers();
-    parts.push(Part::at(shafts, plan.palette.ashlar, corners().to_vec()));
-    parts.push(Part::at(trims, plan.palette.stone, corners().to_vec()));
+    let (shafts, trims) = piers(plan);
+    parts.push(Part::merged(&shafts, plan.palette.ashlar, &corners()));
+    parts.push(Part::merged(&trims, plan.palette.stone, &corners()));
     parts
 }
 
 fn column(order: &Order, plan: &Plan) -> Mesh {
     let detail = plan.detail;
-    let sides = detail.count(28.0, 6);
+    let sides = detail.count(36.0, 5);
     let [bottom, top] = order.radius;
     let scale = bottom / 0.25;
     let base = order.foot + order.plinth[1];
@@ -87,7 +87,7 @@ fn capital(mesh: &mut Mesh, order: &Order, sides: usize, neck: f32, plan: &Plan)
         let tip = 1.0 - smooth(((t - 0.93) / 0.07).clamp(0.0, 1.0));
         (0.012 + 0.05 * t * t * t) * lobes * tip
     };
-    let rows = plan.detail.count(16.0, 2);
+    let rows = plan.detail.count(16.0, 1);
     let around = if relief > 0.0 { sides.div_ceil(8) * 16 } else { sides };
     mesh.surface(
         [around, rows],
@@ -104,19 +104,23 @@ fn capital(mesh: &mut Mesh, order: &Order, sides: usize, neck: f32, plan: &Plan)
 }
 
 /// The corner piers' shafts, and their bases, caps and impost blocks.
-fn piers() -> (Mesh, Mesh) {
+fn piers(plan: &Plan) -> (Mesh, Mesh) {
     let (mut shafts, mut trims) = (Mesh::default(), Mesh::default());
     for (order, foot) in ORDERS.iter().zip([PLINTH, UPPER]) {
         let half = order.abacus[0] - 0.05;
         let cap = order.top - 0.24;
-        shafts.cuboid(Vec3::new(-half, foot, -half), Vec3::new(half, cap, half), "-x+x-z+z", 3.0);
+        // The shaft goes on behind its mouldings.
+        let head = cap + 0.1;
+        shafts.cuboid(Vec3::new(-half, foot, -half), Vec3::new(half, head, half), "-x+x-z+z", 3.0);
         let mut band = |out: f32, from: f32, to: f32| {
             let half = half + out;
             trims.cuboid(Vec3::new(-half, from, -half), Vec3::new(half, to, half), "-x+x-y+y-z+z", TILE);
         };
         band(0.05, foot, foot + 0.22);
-        band(0.025, foot + 0.22, foot + 0.28);
-        band(0.02, cap, cap + 0.08);
+        if plan.detail.shows(0.12) {
+            band(0.025, foot + 0.22, foot + 0.28);
+            band(0.02, cap, cap + 0.08);
+        }
         band(0.05, cap + 0.08, order.top);
     }
     (shafts, trims)

@@ -33,8 +33,8 @@ pub fn parts(plan: &Plan) -> Vec<Part> {
     }
     for (places, half) in [(ribs, 0.17), (wide, WALL)] {
         let (rib, pilaster) = transverse(half, plan);
-        parts.push(Part::at(rib, palette.stone, places.clone()));
-        parts.push(Part::at(pilaster, palette.stone, places));
+        parts.push(Part::merged(&rib, palette.stone, &places));
+        parts.push(Part::merged(&pilaster, palette.stone, &places));
     }
     parts.extend(walls(plan));
     parts.extend(timber(plan));
@@ -49,7 +49,7 @@ fn vault(a: f32, b: f32, z: f32, plan: &Plan) -> Mesh {
     for sector in 0..4 {
         let (along, across) = if sector % 2 == 0 { (a, b) } else { (b, a) };
         let hand = if sector < 2 { 1.0 } else { -1.0 };
-        mesh.patch(n, 2 * n, |u, v| {
+        mesh.patch(n, if plan.detail.shows(0.2) { 2 * n } else { n }, |u, v| {
             let t = 2.0 * v - 1.0;
             let (sin, cos) = (FRAC_PI_2 * u * t).sin_cos();
             let (l, c) = (hand * along * (FRAC_PI_2 * u).sin(), across * sin);
@@ -68,7 +68,7 @@ fn vault(a: f32, b: f32, z: f32, plan: &Plan) -> Mesh {
 
 /// A rib across the gallery, `2 half` wide, and the pilaster under its outer end.
 fn transverse(half: f32, plan: &Plan) -> (Mesh, Mesh) {
-    let n = plan.detail.count(18.0, 4);
+    let n = plan.detail.count(18.0, 3);
     let z = -(WALL + SPAN);
     let point = |angle: f32, inset: f32| {
         let (sin, cos) = angle.sin_cos();
@@ -82,7 +82,7 @@ fn transverse(half: f32, plan: &Plan) -> (Mesh, Mesh) {
         let x = half * (2.0 * v - 1.0);
         (Vec3::new(x, p.y, p.x), Vec3::new(0.0, inward.y, inward.x), Vec2::new(x, angle * SPAN) / 1.5)
     });
-    for hand in [-1.0, 1.0] {
+    for hand in [-1.0, 1.0].into_iter().filter(|_| plan.detail.shows(0.11)) {
         rib.patch(n, 1, |u, v| {
             let angle = PI * (u - 0.5);
             let p = point(angle, RIB - (RIB + 0.03) * v);
@@ -94,9 +94,11 @@ fn transverse(half: f32, plan: &Plan) -> (Mesh, Mesh) {
         let wide = half + 0.02 + out;
         pilaster.cuboid(Vec3::new(-wide, from, -DEPTH - 0.05), Vec3::new(wide, to, -DEPTH + RIB + 0.02 + out), faces, 1.5);
     };
-    band(0.05, PLINTH, PLINTH + 0.22, "-x+x+y+z");
-    band(0.0, PLINTH + 0.22, SPRING[0] - 0.16, "-x+x+z");
-    band(0.03, SPRING[0] - 0.22, SPRING[0] - 0.13, "-x+x-y+y+z");
+    if plan.detail.shows(0.3) {
+        band(0.05, PLINTH, PLINTH + 0.22, "-x+x+y+z");
+        band(0.03, SPRING[0] - 0.22, SPRING[0] - 0.13, "-x+x-y+y+z");
+    }
+    band(0.0, PLINTH, SPRING[0] - 0.12, "-x+x+z");
     band(0.06, SPRING[0] - 0.13, SPRING[0], "-x+x-y+y+z");
     (rib, pilaster)
 }
@@ -192,11 +194,9 @@ fn timber(plan: &Plan) -> Vec<Part> {
         let half = if long { side.half() + DEPTH } else { side.half() - WALL };
         let start = Vec3::new(-half, CEILING, -DEPTH);
         lane.plane(start, Vec3::X * 2.0 * half, Vec3::Z * (DEPTH - WALL), plan.cell(), 1.5, Vec2::ZERO);
-        // The plane faces up; a ceiling faces down.
-        lane.normals.iter_mut().for_each(|n| *n = -*n);
-        lane.indices.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
         boards.append(&lane, side.frame);
-        let count = (2.0 * half / 0.75).round() as usize;
+        let spacing = if plan.detail.shows(0.15) { 0.75 } else { 1.5 };
+        let count = (2.0 * half / spacing).round() as usize;
         for i in 0..count {
             let x = -half + 2.0 * half * (i as f32 + 0.5) / count as f32;
             let mut beam = Mesh::default();
@@ -211,16 +211,23 @@ fn timber(plan: &Plan) -> Vec<Part> {
 fn doors(plan: &Plan) -> Vec<Part> {
     let (mut frame, mut leaf) = (Mesh::default(), Mesh::default());
     let mut bar = |x: (f32, f32), y: (f32, f32), out: f32| {
-        frame.cuboid(Vec3::new(x.0, y.0, -0.02), Vec3::new(x.1, y.1, out), "-x+x-y+y+z", 1.5);
+        frame.cuboid(
+            Vec3::new(x.0, y.0, -0.02),
+            Vec3::new(x.1, y.1, out),
+            if plan.detail.shows(0.3) { "-x+x-y+y+z" } else { "-x+x+z" },
+            1.5,
+        );
     };
     bar((-0.86, -0.66), (0.0, 2.35), 0.09);
     bar((0.66, 0.86), (0.0, 2.35), 0.09);
     bar((-0.86, 0.86), (2.35, 2.58), 0.10);
-    bar((-0.96, 0.96), (2.58, 2.68), 0.18);
+    if plan.detail.shows(0.13) {
+        bar((-0.96, 0.96), (2.58, 2.68), 0.18);
+    }
     for hand in [-1.0, 1.0] {
         let (from, to) = if hand < 0.0 { (-0.66, -0.01) } else { (0.01, 0.66) };
         leaf.cuboid(Vec3::new(from, 0.0, -0.02), Vec3::new(to, 2.35, 0.03), "-x+x+z", 1.5);
-        for (low, high) in [(0.15, 0.75), (0.9, 1.5), (1.65, 2.2)] {
+        for (low, high) in [(0.15, 0.75), (0.9, 1.5), (1.65, 2.2)].into_iter().filter(|_| plan.detail.shows(0.3)) {
             leaf.cuboid(Vec3::new(from + 0.1, low, 0.0), Vec3::new(to - 0.1, high, 0.055), "-x+x-y+y+z", 1.5);
         }
     }
@@ -236,5 +243,8 @@ fn doors(plan: &Plan) -> Vec<Part> {
             }
         }
     }
-    vec![Part::at(frame, plan.palette.stone, places.clone()), Part::at(leaf, plan.palette.wood, places)]
+    if !plan.detail.shows(0.04) {
+        frame = Mesh::default();
+    }
+    vec![Part::merged(&frame, plan.palette.stone, &places), Part::merged(&leaf, plan.palette.wood, &places)]
 }

@@ -55,7 +55,9 @@ pub fn add(scene: &mut Scene, seed: u32) -> Palette {
         roof,
         wood,
         weave,
-        banner,
+        red,
+        green,
+        blue,
         leaf,
         metal,
         glow,
@@ -78,19 +80,19 @@ pub fn add(scene: &mut Scene, seed: u32) -> Palette {
         }
     };
     Palette {
-        stone: add("limestone", [0.74, 0.66, 0.53], Some(limestone), &|m| m.roughness = 0.7),
+        stone: add("limestone", [0.70, 0.61, 0.47], Some(limestone), &|m| m.roughness = 0.7),
         ashlar: add("ashlar", [0.72, 0.58, 0.40], Some(ashlar), &|m| m.normal_map = Some(ashlar_normal)),
         plaster_cream: add("cream plaster", [0.75, 0.64, 0.44], Some(plaster), &plain),
         plaster_ochre: add("ochre plaster", [0.72, 0.46, 0.17], Some(plaster), &plain),
         plaster_umber: add("umber dado", [0.44, 0.15, 0.085], Some(plaster), &plain),
         plaster_rose: add("rose plaster", [0.66, 0.27, 0.17], Some(plaster), &plain),
         plaster_white: add("lime plaster", [0.77, 0.73, 0.65], Some(plaster), &plain),
-        paving: add("paving", [0.66, 0.58, 0.48], Some(paving), &|m| {
+        paving: add("paving", [0.56, 0.47, 0.37], Some(paving), &|m| {
             m.normal_map = Some(paving_normal);
             m.metallic_roughness_map = Some(paving_surface);
             m.roughness = 1.0;
         }),
-        border: add("paving border", [0.50, 0.30, 0.21], Some(paving), &|m| {
+        border: add("paving border", [0.46, 0.25, 0.17], Some(paving), &|m| {
             m.normal_map = Some(paving_normal);
             m.metallic_roughness_map = Some(paving_surface);
             m.roughness = 1.0;
@@ -103,9 +105,9 @@ pub fn add(scene: &mut Scene, seed: u32) -> Palette {
         cloth_red: add("red curtain", [0.68, 0.05, 0.04], Some(weave), &cloth),
         cloth_green: add("green curtain", [0.07, 0.38, 0.12], Some(weave), &cloth),
         cloth_blue: add("blue curtain", [0.05, 0.16, 0.58], Some(weave), &cloth),
-        banner_red: add("red banner", [0.70, 0.07, 0.05], Some(banner), &cloth),
-        banner_green: add("green banner", [0.10, 0.42, 0.15], Some(banner), &cloth),
-        banner_blue: add("blue banner", [0.06, 0.18, 0.60], Some(banner), &cloth),
+        banner_red: add("red banner", [1.0; 3], Some(red), &cloth),
+        banner_green: add("green banner", [1.0; 3], Some(green), &cloth),
+        banner_blue: add("blue banner", [1.0; 3], Some(blue), &cloth),
         majolica: add("blue majolica", [0.07, 0.19, 0.50], None, &|m| m.roughness = 0.15),
         terracotta: add("terracotta", [0.62, 0.29, 0.16], Some(plaster), &|m| m.roughness = 0.8),
         soil: add("soil", [0.16, 0.10, 0.06], Some(plaster), &plain),

@@ -14,11 +14,13 @@ mod lantern;
 mod materials;
 mod plants;
 mod roof;
+#[cfg(test)]
+mod tests;
 mod textures;
 
 use super::Detail;
 use crate::scene::builder::Mesh;
-use crate::scene::{Camera, Light, Scene, tangents};
+use crate::scene::{Camera, Light, Scene};
 use glam::{Affine3A, Quat, Vec3};
 use materials::Palette;
 use rayon::prelude::*;
@@ -69,7 +71,7 @@ impl Atrium {
 
 impl Default for Atrium {
     fn default() -> Self {
-        Self { triangles: 260_000, seed: 1 }
+        Self { triangles: 260_000, seed: 0 }
     }
 }
 
@@ -87,6 +89,13 @@ impl Part {
 
     fn at(mesh: Mesh, material: u32, transforms: Vec<Affine3A>) -> Self {
         Self { mesh, material, transforms }
+    }
+
+    /// Copies of a small mesh in one draw: cheaper than the draws it saves.
+    fn merged(mesh: &Mesh, material: u32, places: &[Affine3A]) -> Self {
+        let mut all = Mesh::default();
+        places.iter().for_each(|&place| all.append(mesh, place));
+        Self::once(all, material)
     }
 
     fn triangles(&self) -> usize {
@@ -188,12 +197,11 @@ pub fn atrium(knobs: &Atrium) -> Scene {
     for part in parts_of_size(knobs, palette) {
         scene.add_mesh(&part.mesh, part.material, &part.transforms);
     }
-    tangents::fill(&mut scene);
-    scene.lights.push(Light::Directional { direction: Vec3::new(0.34, -1.0, 0.30).normalize(), irradiance: Vec3::new(22.0, 20.5, 18.0) });
+    scene.lights.push(Light::Directional { direction: Vec3::new(0.34, -1.0, 0.25).normalize(), irradiance: Vec3::new(22.0, 20.5, 18.0) });
     scene.cameras.push(Camera {
         name: "court".into(),
-        position: Vec3::new(-11.2, 2.3, -1.1),
-        target: Vec3::new(8.0, 3.5, 0.6),
+        position: Vec3::new(-11.3, 2.2, 0.9),
+        target: Vec3::new(6.0, 3.2, -1.0),
         up: Vec3::Y,
         fov_y_deg: 60.0,
     });
@@ -203,31 +211,29 @@ pub fn atrium(knobs: &Atrium) -> Scene {
 /// The parts at the level of detail whose triangles come nearest to the number asked for.
 fn parts_of_size(knobs: &Atrium, palette: Palette) -> Vec<Part> {
     let target = knobs.triangles.clamp(*Atrium::TRIANGLES.start(), *Atrium::TRIANGLES.end()) as f32;
-    let error = |parts: &[Part]| parts.iter().map(Part::triangles).sum::<usize>() as f32 / target - 1.0;
     let build = |log: f32| parts(&Plan { detail: Detail(log.exp()), seed: knobs.seed, palette });
 
-    // The count grows with the detail, nearly as its square where it is large: steps of Newton's kind, kept in a bracket.
-    let mut log = 0.5 * (target / 260_000.0).ln();
-    let (mut low, mut high) = (-4.0f32, 4.0f32);
-    let mut best = build(log);
-    let mut best_error = error(&best);
-    let mut last_error = best_error;
-    for _ in 0..16 {
-        if best_error.abs() < 0.01 {
+    // The count grows nearly as the square of the detail where it is large, and in steps where it is small: a few steps of
+    // Newton's kind, then halves of what is left.
+    let mut log = 0.5 * (target / 420_000.0).ln();
+    let (mut low, mut high) = (-4.0f32, 3.0f32);
+    let mut best: Option<(f32, Vec<Part>)> = None;
+    for step in 0..18 {
+        let parts = build(log);
+        let error = parts.iter().map(Part::triangles).sum::<usize>() as f32 / target - 1.0;
+        if best.as_ref().is_none_or(|b| error.abs() < b.0.abs()) {
+            best = Some((error, parts));
+        }
+        if error.abs() < 0.01 {
             break;
         }
-        if last_error > 0.0 {
-            high = log
+        if error > 0.0 {
+            high = log;
         } else {
-            low = log
+            low = log;
         }
-        let step = log - 0.5 * last_error.ln_1p();
-        log = if step > low && step < high && high - low > 0.02 { step } else { 0.5 * (low + high) };
-        let parts = build(log);
-        last_error = error(&parts);
-        if last_error.abs() < best_error.abs() {
-            (best, best_error) = (parts, last_error);
-        }
+        let newton = log - 0.5 * error.ln_1p();
+        log = if step < 4 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
     }
-    best
+    best.map_or_else(Vec::new, |b| b.1)
 }

@@ -9,7 +9,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3};
 pub fn parts(plan: &Plan) -> Vec<Part> {
     let palette = &plan.palette;
     let mut trees = Vec::new();
-    for (x, z, turn) in [(-4.5, -2.1, 0.3), (-4.5, 2.1, 2.1), (4.5, -2.1, 4.4), (4.5, 2.1, 1.2), (-7.5, 2.75, 3.3), (7.5, -2.75, 5.1)] {
+    for (x, z, turn) in [(-4.5, -2.1, 0.3), (-4.5, 2.1, 2.1), (4.5, -2.1, 4.4), (4.5, 2.1, 1.2), (8.6, 2.75, 3.3), (8.6, -2.75, 5.1)] {
         trees.push(Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), Vec3::new(x, 0.0, z)));
     }
     let mut agaves = Vec::new();
@@ -29,12 +29,12 @@ pub fn parts(plan: &Plan) -> Vec<Part> {
     let (trunk, crown, fruit) = orange_tree(plan);
     vec![
         Part::at(pot, palette.terracotta, trees.clone()),
-        Part::at(soil, palette.soil, trees.clone()),
-        Part::at(trunk, palette.bark, trees.clone()),
+        Part::merged(&soil, palette.soil, &trees),
+        Part::merged(&trunk, palette.bark, &trees),
         Part::at(crown, palette.leaves, trees.clone()),
         Part::at(fruit, palette.orange, trees),
         Part::at(urn, palette.terracotta, agaves.clone()),
-        Part::at(earth, palette.soil, agaves.clone()),
+        Part::merged(&earth, palette.soil, &agaves),
         Part::at(agave(plan), palette.agave, agaves),
     ]
 }
@@ -66,7 +66,7 @@ fn urn(plan: &Plan) -> (Mesh, Mesh) {
 
 /// A vessel with the earth in it.
 fn turned(profile: &Profile, radius: f32, height: f32, plan: &Plan) -> (Mesh, Mesh) {
-    let sides = plan.detail.count(28.0, 6);
+    let sides = plan.detail.count(28.0, 5);
     let (mut vessel, mut earth) = (Mesh::default(), Mesh::default());
     vessel.lathe(profile, sides, plan.detail, 0.7);
     let disc = Profile::from(radius, height).line(0.0, height + 0.03);
@@ -81,7 +81,7 @@ fn orange_tree(plan: &Plan) -> (Mesh, Mesh, Mesh) {
     let bark = Profile::from(0.045, 0.5).curve((0.025, 0.7), (0.03, 1.0), 4.0).curve((0.035, 1.3), (0.02, 1.75), 4.0);
     trunk.lathe(&bark, plan.detail.count(10.0, 3), plan.detail, 0.5);
     let center = Vec3::new(0.0, 1.78, 0.0);
-    let sprigs = plan.detail.slow(520.0, 24);
+    let sprigs = ((520.0 * plan.detail.0.powf(0.8)) as usize).max(24);
     let cells = plan.detail.count(1.6, 1);
     // Fewer sprigs are larger, so that the crown stays closed.
     let size = 0.25 * (520.0 / sprigs as f32).sqrt().clamp(0.75, 2.6);
@@ -95,7 +95,7 @@ fn orange_tree(plan: &Plan) -> (Mesh, Mesh, Mesh) {
         let outward = if up.dot(out) < 0.0 { -up } else { up };
         let (length, half, droop) = (size * random.range(0.8, 1.2), size * 0.45, random.range(0.02, 0.35) * size);
         crown.surface(
-            [cells * 2, cells],
+            if plan.detail.shows(0.25) { [cells * 2, cells] } else { [1, 1] },
             false,
             |u, v| {
                 let side = 2.0 * u - 1.0;
@@ -126,8 +126,8 @@ fn direction(i: usize, n: usize, random: &mut Random) -> Vec3 {
 fn agave(plan: &Plan) -> Mesh {
     let mut random = Random::new(plan.seed ^ 0xa6a7);
     let mut mesh = Mesh::default();
-    let leaves = 22;
-    let cells = [plan.detail.count(4.0, 2), plan.detail.count(9.0, 2)];
+    let leaves = (64.0 * plan.detail.0).clamp(8.0, 22.0) as usize;
+    let cells = [plan.detail.count(4.0, 1), plan.detail.count(9.0, 2)];
     for i in 0..leaves {
         let t = i as f32 / leaves as f32;
         let turn = i as f32 * 2.399_963 + random.range(-0.15, 0.15);

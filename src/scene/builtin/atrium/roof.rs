@@ -51,15 +51,21 @@ pub fn parts(plan: &Plan) -> Vec<Part> {
 /// Rows of half-round tiles, cover over pan, each course lying on the one below.
 fn covering(side: &Side, plan: &Plan) -> Mesh {
     let mut mesh = Mesh::default();
-    let around = plan.detail.count(5.0, 1);
+    let around = plan.detail.count(4.0, 1);
     let courses = ((OUTER + INNER) / COURSE).round();
     let length = (OUTER + INNER) / courses;
     let top = side.half() + OUTER;
     let columns = (2.0 * top / PITCH) as u32;
     // Too coarse for tiles: the covers alone, as ridges.
-    let along = if plan.detail.0 < 0.4 { 1 } else { courses as usize };
+    let along = if plan.detail.shows(0.36) { courses as usize } else { 1 };
     let salt = plan.seed ^ u32::from(side.frame.translation.x > 0.0) << 7 ^ u32::from(side.frame.translation.z > 0.0) << 8;
-    let merge = if plan.detail.0 < 0.4 { 3 } else { 1 };
+    let merge = if plan.detail.shows(0.36) {
+        1
+    } else if plan.detail.shows(0.06) {
+        3
+    } else {
+        6
+    };
     for column in (0..columns).step_by(merge) {
         let width = PITCH * merge as f32;
         let x = -top + (column as f32 + 0.5) * PITCH + 0.5 * (width - PITCH);

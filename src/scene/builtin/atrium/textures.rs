@@ -6,7 +6,7 @@ use crate::scene::Texture;
 use rayon::prelude::*;
 use std::f32::consts::FRAC_PI_4;
 
-const COUNT: usize = 15;
+const COUNT: usize = 17;
 
 /// All textures, in the order that the materials name them in.
 pub fn all(fields: &Fields, seed: u32) -> [Texture; COUNT] {
@@ -22,7 +22,9 @@ pub fn all(fields: &Fields, seed: u32) -> [Texture; COUNT] {
         roof,
         wood,
         weave,
-        banner,
+        |fields, _| banner("red banner", fields, [0.62, 0.05, 0.035]),
+        |fields, _| banner("green banner", fields, [0.05, 0.33, 0.10]),
+        |fields, _| banner("blue banner", fields, [0.035, 0.12, 0.52]),
         leaf,
         metal,
         glow,
@@ -192,9 +194,10 @@ fn weave(fields: &Fields, _seed: u32) -> Texture {
     })
 }
 
-/// A banner, whole: a field that takes the material's colour, gold borders, a lozenge pattern and a fringe.
-fn banner(fields: &Fields, _seed: u32) -> Texture {
-    color("banner", 512, |x, y| {
+/// A banner, whole: a coloured field with gold borders, flowers in a lattice of lozenges, and a fringe.
+fn banner(name: &str, fields: &Fields, field: [f32; 3]) -> Texture {
+    const GOLD: [f32; 3] = [0.70, 0.46, 0.13];
+    color(name, 512, |x, y| {
         let (u, v) = ((x as f32 + 0.5) / 512.0, (y as f32 + 0.5) / 512.0);
         let side = (u - 0.5).abs();
         let near = |at: f32, half: f32, d: f32| 1.0 - step(half - 0.004, half + 0.004, (d - at).abs());
@@ -204,8 +207,7 @@ fn banner(fields: &Fields, _seed: u32) -> Texture {
         let (a, b) = (((u + v * 1.8) * 5.0).rem_euclid(1.0), ((u - v * 1.8) * 5.0).rem_euclid(1.0));
         if side < 0.37 && v < 0.87 {
             let line = near(0.5, 0.03, a).max(near(0.5, 0.03, b));
-            let (da, db) = ((a + 0.5).fract() - 0.0, (b + 0.5).fract() - 0.0);
-            let (fa, fb) = (da - 0.5, db - 0.5);
+            let (fa, fb) = ((a + 0.5).fract() - 0.5, (b + 0.5).fract() - 0.5);
             let flower = {
                 let (radius, angle) = ((fa * fa + fb * fb).sqrt(), fb.atan2(fa));
                 1.0 - step(-0.02, 0.02, radius - 0.17 - 0.07 * (4.0 * angle).cos())
@@ -216,9 +218,8 @@ fn banner(fields: &Fields, _seed: u32) -> Texture {
             light = light.max(if (x / 5).is_multiple_of(2) { 1.0 } else { 0.35 });
         }
         let thread = 0.88 + 0.08 * ((x as f32 * 1.57).sin() * (y as f32 * 1.57).sin()) + 0.2 * (fields.clouds.texel(x, y) - 0.5);
-        // The material's colour multiplies this: gold can only be as much lighter as white is.
-        let mix = |field: f32, gold: f32| (field + (gold - field) * light) * thread;
-        [mix(0.75, 1.0), mix(0.62, 1.0), mix(0.62, 1.0), 1.0]
+        let [r, g, b] = std::array::from_fn(|i| (field[i] + (GOLD[i] - field[i]) * light) * thread);
+        [r, g, b, 1.0]
     })
 }
 

@@ -1,0 +1,169 @@
+use super::*;
+use crate::scene::{Draw, Map, pack};
+
+/// A triangle of a draw in the world: corners and the vertices' normals.
+fn triangles<'a>(scene: &'a Scene, draw: &'a Draw) -> impl Iterator<Item = ([Vec3; 3], [Vec3; 3])> + 'a {
+    let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
+    let normals = draw.transform.matrix3.inverse().transpose();
+    scene.indices[range].chunks_exact(3).map(move |t| {
+        let vertex = |i: usize| &scene.vertices[(draw.vertex_offset + t[i]) as usize];
+        (
+            std::array::from_fn(|i| draw.transform.transform_point3(vertex(i).position.into())),
+            std::array::from_fn(|i| (normals * pack::octahedral_snorm16_inverse(vertex(i).normal)).normalize()),
+        )
+    })
+}
+
+/// The nearest triangle that a ray meets: distance, material, and whether on its front.
+fn hit(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<(f32, usize, bool)> {
+    let mut nearest: Option<(f32, usize, bool)> = None;
+    for draw in &scene.draws {
+        let bounds = scene.draw_bounds(draw);
+        let (a, b) = ((bounds.min - origin) / direction, (bounds.max - origin) / direction);
+        if a.min(b).max_element() > a.max(b).min_element() {
+            continue;
+        }
+        for ([a, b, c], _) in triangles(scene, draw) {
+            let (ab, ac) = (b - a, c - a);
+            let p = direction.cross(ac);
+            let determinant = ab.dot(p);
+            if determinant.abs() < 1e-12 {
+                continue;
+            }
+            let s = (origin - a) / determinant;
+            let u = s.dot(p);
+            let q = s.cross(ab);
+            let (v, t) = (direction.dot(q), ac.dot(q));
+            if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 1e-4 && nearest.is_none_or(|n| t < n.0) {
+                nearest = Some((t, draw.material as usize, determinant > 0.0));
+            }
+        }
+    }
+    nearest
+}
+
+#[test]
+fn the_number_of_triangles_is_met_within_five_percent() {
+    for triangles in
+        [10_000, 14_000, 20_000, 30_000, 45_000, 60_000, 80_000, 100_000, 150_000, 180_000, 215_000, 260_000, 400_000, 1_000_000]
+    {
+        let parts = parts_of_size(&Atrium { triangles, seed: 1 }, materials::add(&mut Scene::default(), 1));
+        let made: usize = parts.iter().map(Part::triangles).sum();
+        let error = made as f64 / f64::from(triangles) - 1.0;
+        assert!(error.abs() <= 0.05, "{triangles} asked for, {made} made: {:.1} %", 100.0 * error);
+    }
+}
+
+#[test]
+fn numbers_out_of_range_are_taken_to_the_nearer_end() {
+    let palette = materials::add(&mut Scene::default(), 1);
+    let made = |triangles| parts_of_size(&Atrium { triangles, seed: 1 }, palette).iter().map(Part::triangles).sum::<usize>();
+    assert_eq!(made(0), made(10_000));
+}
+
+#[test]
+fn the_same_seed_makes_the_same_bytes_and_another_one_others() {
+    let make = |seed| atrium(&Atrium { triangles: 30_000, seed });
+    let (a, b, other) = (make(7), make(7), make(8));
+    assert_eq!(bytemuck::cast_slice::<_, u8>(&a.vertices), bytemuck::cast_slice::<_, u8>(&b.vertices));
+    assert!(a.indices == b.indices && a.draws == b.draws && a.materials == b.materials && a.textures == b.textures);
+    assert!(a.textures != other.textures && a.vertices != other.vertices);
+}
+
+#[test]
+fn indices_materials_and_textures_are_in_range_and_all_numbers_finite() {
+    let scene = atrium(&Atrium::default());
+    assert!(scene.draws.len() <= 300, "{} draws", scene.draws.len());
+    for draw in &scene.draws {
+        assert!(draw.transform.is_finite() && (draw.material as usize) < scene.materials.len());
+        let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
+        assert!(scene.indices[range].iter().all(|&i| ((draw.vertex_offset + i) as usize) < scene.vertices.len()));
+    }
+    assert!(scene.vertices.iter().all(|v| v.position.iter().chain(&v.uv).all(|c| c.is_finite())));
+    let count = |has: fn(&crate::scene::Material) -> bool| scene.materials.iter().filter(|m| has(m)).count();
+    assert!(count(|m| m.alpha_cutoff.is_some()) > 0 && count(|m| m.normal_map.is_some()) > 0 && count(|m| m.metallic > 0.0) > 0);
+    assert!(count(|m| m.emission != [0.0; 3]) > 0 && count(|m| m.double_sided) > 0);
+    for material in &scene.materials {
+        let maps = [material.base_color_map, material.metallic_roughness_map, material.emission_map, material.normal_map];
+        assert!(maps.iter().flatten().all(|Map { texture, .. }| (*texture as usize) < scene.textures.len()), "{}", material.name);
+        assert!(scene.draws.iter().any(|d| scene.materials[d.material as usize].name == material.name), "{} is unused", material.name);
+    }
+    for texture in &scene.textures {
+        assert!((256..=1024).contains(&texture.width) && texture.texels.len() == (texture.width * texture.height * 4) as usize);
+    }
+}
+
+#[test]
+fn normals_agree_with_the_winding_and_no_triangle_is_degenerate() {
+    for count in [10_000, 260_000] {
+        let scene = atrium(&Atrium { triangles: count, seed: 1 });
+        let (mut all, mut wrong, mut degenerate) = (0usize, 0usize, 0usize);
+        for draw in &scene.draws {
+            for ([a, b, c], normals) in triangles(&scene, draw) {
+                let area = (b - a).cross(c - a);
+                all += 1;
+                degenerate += usize::from(area.length() < 1e-9);
+                wrong += usize::from(normals.iter().any(|n| n.dot(area) <= 0.0));
+            }
+        }
+        assert!(wrong as f64 <= 0.001 * all as f64, "{wrong} of {all} triangles have a normal on their back");
+        assert!(degenerate as f64 <= 0.001 * all as f64, "{degenerate} of {all} triangles have no area");
+    }
+}
+
+#[test]
+fn the_camera_sees_fronts_only_and_the_walls_keep_the_sky_out() {
+    let scene = atrium(&Atrium { triangles: 60_000, seed: 1 });
+    let golden = |i: usize, n: usize| {
+        let z = 1.0 - 2.0 * (i as f32 + 0.5) / n as f32;
+        let (sin, cos) = (i as f32 * 2.399_963).sin_cos();
+        Vec3::new((1.0 - z * z).sqrt() * cos, z, (1.0 - z * z).sqrt() * sin)
+    };
+    // In the court; in the lower and the upper gallery of a long side, of a short side, and in a corner.
+    let eyes = [
+        scene.cameras[0].position,
+        Vec3::new(0.7, 1.7, 6.4),
+        Vec3::new(2.2, 6.8, -6.3),
+        Vec3::new(13.9, 1.7, 0.8),
+        Vec3::new(-13.8, 6.9, -6.2),
+    ];
+    for eye in eyes {
+        for i in 0..160 {
+            let direction = golden(i, 160);
+            match hit(&scene, eye, direction) {
+                Some((t, material, front)) => {
+                    let material = &scene.materials[material];
+                    assert!(front || material.double_sided, "from {eye} towards {direction}: the back of {} at {t} m", material.name);
+                }
+                None => {
+                    // Only the open roof lets a ray out: it passes the eaves' height over the court.
+                    let over = eye + direction * ((EAVES - eye.y) / direction.y);
+                    let open = direction.y > 0.0 && over.x.abs() < HALF[0] && over.z.abs() < HALF[1];
+                    assert!(open, "from {eye} towards {direction}: out through a gap");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_sun_reaches_part_of_the_floor_and_one_wall() {
+    let scene = atrium(&Atrium { triangles: 30_000, seed: 1 });
+    let Light::Directional { direction, irradiance } = scene.lights[0] else { panic!("the first light is the sun") };
+    assert!(irradiance.min_element() > 10.0);
+    // Rays of the sun over a plane at the eaves' height: what they meet first.
+    let (mut floor, mut side, mut other, mut all) = (0, 0, 0, 0);
+    for i in 0..40 {
+        for j in 0..24 {
+            let start = Vec3::new(i as f32 * 0.6 - 11.7, EAVES + 0.5, j as f32 * 0.4 - 4.6);
+            let Some((t, _, _)) = hit(&scene, start, direction) else { continue };
+            let p = start + direction * t;
+            all += usize::from(p.y < EAVES - 0.3);
+            floor += usize::from(p.y < 0.01);
+            side += usize::from(p.z > HALF[1] - 0.8 && p.y > 0.5 && p.y < EAVES - 0.3);
+            other += usize::from(p.z < -HALF[1] + 0.8 && p.y > 0.5 && p.y < EAVES - 0.3);
+        }
+    }
+    assert!(floor * 4 > all && floor * 20 < all * 19, "{floor} of {all} rays end on the floor");
+    assert!(side > 40 && other * 10 < side, "{side} rays on one long side, {other} on the other");
+}
