@@ -1,5 +1,17 @@
 //! manylight: real-time many-light global illumination on raw Vulkan.
 #![deny(unsafe_code)]
 
+pub mod cache;
+pub mod cli;
+pub mod commands;
+pub mod config;
 pub mod error;
+pub mod frame;
+pub mod gpu;
+pub mod graph;
+pub mod output;
+pub mod presets;
+pub mod renderer;
+pub mod report;
 pub mod scene;
+pub mod stages;

@@ -6,9 +6,12 @@
 
 pub mod builder;
 pub mod builtin;
+pub mod device;
 pub mod gltf;
 pub mod pack;
+pub mod projection;
 pub mod tangents;
+pub mod view;
 
 use glam::{Affine3A, Mat2, Vec2, Vec3};
 

@@ -1,0 +1,18 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+// Counts the texels of an image of which some channel is not a finite number.
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(scalar, push_constant) uniform Params {
+    uvec3 size; // width, height, layers
+    uint slot;
+} params;
+
+uniform sampler2DArray image;
+layout(scalar) buffer Counts { uint counts[]; } counts;
+
+void main() {
+    if (any(greaterThanEqual(gl_GlobalInvocationID, params.size))) return;
+    vec4 texel = texelFetch(image, ivec3(gl_GlobalInvocationID), 0);
+    if (any(isnan(texel)) || any(isinf(texel))) atomicAdd(counts.counts[params.slot], 1u);
+}

@@ -1,0 +1,64 @@
+// Direct light at a pixel, common to all kinds of shadow. Whoever includes it defines
+//     float shadow(Light light, uint layer, vec2 uv, float distance);
+// the share of light that arrives at a distance along the map's axis.
+#include "lib/brdf.glsl"
+#include "lib/light.glsl"
+#include "lib/packing.glsl"
+#include "lib/view.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(constant_id = 0) const bool GLOSSY_DIELECTRIC = false;
+
+layout(scalar, push_constant) uniform Params {
+    uint lights;
+    float bias;      // metres
+    ivec2 map_size;  // texels
+    int radius;      // texels
+} params;
+
+layout(scalar) uniform ViewBlock { View it; } view;
+layout(scalar) readonly buffer Lights { Light at[]; } lights;
+uniform sampler2D depth;
+uniform sampler2D normal;
+uniform sampler2D albedo;
+uniform sampler2D metallic_roughness;
+layout(rgba16f) writeonly uniform image2D direct;
+
+float shadow(Light light, uint layer, vec2 uv, float distance);
+
+// The share of a light's map that reaches a point: none outside of the map.
+float visibility(Light light, uint layer, vec3 x, vec3 n) {
+    // Off the surface by the bias and about a texel's width, so that it does not shadow itself.
+    vec2 texel = 2.0 * vec2(length(light.right), length(light.up)) / vec2(params.map_size);
+    float width = max(texel.x, texel.y) * (light.kind == DIRECTIONAL ? 1.0 : dot(x - light.origin, light.direction));
+    vec3 lifted = x + n * (params.bias + abs(width));
+    vec4 clip = light.world_to_clip * vec4(lifted, 1.0);
+    if (clip.w <= 0.0) return 0.0;
+    vec2 ndc = clip.xy / clip.w;
+    if (any(greaterThan(abs(ndc), vec2(1.0)))) return 0.0;
+    return shadow(light, layer, ndc * 0.5 + 0.5, dot(lifted - light.origin, light.direction));
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(uvec2(pixel), uvec2(view.it.width, view.it.height)))) return;
+    float z = texelFetch(depth, pixel, 0).r;
+    vec3 sum = vec3(0.0);
+    if (z > 0.0) {
+        vec3 x = view_position(view.it, pixel, z);
+        vec3 n = octahedral_inverse(texelFetch(normal, pixel, 0).xy);
+        vec3 base = texelFetch(albedo, pixel, 0).rgb;
+        vec2 mr = texelFetch(metallic_roughness, pixel, 0).rg;
+        vec3 v = normalize(view.it.position - x);
+        for (uint i = 0u; i < params.lights; i++) {
+            Light light = lights.at[i];
+            vec3 l;
+            vec3 arriving = light_irradiance(light, x, l) * max(dot(n, l), 0.0);
+            if (any(greaterThan(arriving, vec3(0.0)))) {
+                arriving *= visibility(light, i, x, n);
+                sum += arriving * brdf(base, mr.x, mr.y, GLOSSY_DIELECTRIC, n, l, v);
+            }
+        }
+    }
+    imageStore(direct, pixel, vec4(sum, 1.0));
+}

@@ -1,0 +1,31 @@
+// Reflection of surfaces: Lambert, and GGX with the height-correlated Smith term (Heitz 2014). See the README's radiometry.
+
+const float PI = 3.14159265358979;
+
+vec3 schlick(vec3 f0, float cosine) {
+    float m = 1.0 - clamp(cosine, 0.0, 1.0);
+    return f0 + (1.0 - f0) * (m * m * m * m * m);
+}
+
+// D V of GGX, 1/sr: without Fresnel; cosines of half vector, light and view to the normal.
+float ggx(float alpha, float nh, float nl, float nv) {
+    float a2 = alpha * alpha;
+    float d = nh * nh * (a2 - 1.0) + 1.0;
+    float v = nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2);
+    return a2 / (PI * d * d) * 0.5 / max(v, 1e-7);
+}
+
+// The BRDF, 1/sr, of a surface of mixed metal and dielectric. A dielectric is pure Lambert unless `glossy_dielectric`.
+vec3 brdf(vec3 albedo, float metallic, float roughness, bool glossy_dielectric, vec3 n, vec3 l, vec3 v) {
+    vec3 h = normalize(l + v);
+    float nl = max(dot(n, l), 0.0), nv = max(dot(n, v), 1e-4), nh = max(dot(n, h), 0.0), vh = max(dot(v, h), 0.0);
+    float alpha = max(roughness * roughness, 1e-3);
+    vec3 dielectric = albedo / PI;
+    vec3 metal = vec3(0.0);
+    if (glossy_dielectric) {
+        vec3 f = schlick(vec3(0.04), vh);
+        dielectric = (1.0 - f) * dielectric + f * ggx(alpha, nh, nl, nv);
+    }
+    if (metallic > 0.0) metal = schlick(albedo, vh) * ggx(alpha, nh, nl, nv);
+    return mix(dielectric, metal, metallic);
+}

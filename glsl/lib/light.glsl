@@ -1,0 +1,70 @@
+// A layer of the reflective shadow map: a light, or one face of a point light, with its projection. See src/scene/projection.rs.
+struct Light {
+    mat4 world_to_clip;
+    vec3 origin;    // the light's position, or the centre of a directional light's near plane
+    uint kind;
+    vec3 direction; // in which light travels, along the map's axis
+    float near;     // of the reversed, infinite projection; for a directional light the length of its depth range
+    vec3 right;     // half the map's width: metres, or the tangent of the half-angle
+    float inner;    // half-angles of a spot light, radians
+    vec3 up;        // half the map's height
+    float outer;
+    vec3 power;     // irradiance W/m^2, or radiant intensity W/sr
+    float texel_area; // m^2, or on the plane at distance 1
+};
+
+const uint DIRECTIONAL = 0u;
+const uint SPOT_BY_ANGLE = 1u;
+const uint SPOT_BY_COSINE = 2u;
+const uint POINT_FACE = 3u;
+
+// How a spot light falls off at the angle whose cosine to the axis is given.
+float spot_falloff(Light light, float cosine) {
+    if (light.kind == SPOT_BY_ANGLE) {
+        float angle = acos(clamp(cosine, -1.0, 1.0));
+        return light.outer > light.inner ? clamp((light.outer - angle) / (light.outer - light.inner), 0.0, 1.0) : float(angle <= light.outer);
+    }
+    if (light.kind == SPOT_BY_COSINE) {
+        float width = cos(light.inner) - cos(light.outer);
+        float f = width > 0.0 ? clamp((cosine - cos(light.outer)) / width, 0.0, 1.0) : float(cosine >= cos(light.outer));
+        return f * f;
+    }
+    return 1.0;
+}
+
+// World position of a point of the map, ndc in [-1, 1] with y down, at a depth that is not 0.
+vec3 light_position(Light light, vec2 ndc, float depth) {
+    vec3 offset = ndc.x * light.right - ndc.y * light.up;
+    if (light.kind == DIRECTIONAL) return light.origin + offset + light.direction * (light.near * (1.0 - depth));
+    return light.origin + (light.direction + offset) * (light.near / depth);
+}
+
+// Distance along the axis, metres.
+float light_distance(Light light, float depth) {
+    return light.kind == DIRECTIONAL ? light.near * (1.0 - depth) : light.near / depth;
+}
+
+// Solid angle of a texel whose centre is at tangents t on the plane at distance 1.
+float texel_solid_angle(float texel_area, vec2 t) {
+    float s = 1.0 + dot(t, t);
+    return texel_area / (s * sqrt(s));
+}
+
+// Flux that arrives in a texel of the map, W.
+vec3 texel_flux(Light light, vec2 ndc) {
+    if (light.kind == DIRECTIONAL) return light.power * light.texel_area;
+    vec2 t = ndc * vec2(length(light.right), length(light.up));
+    return light.power * spot_falloff(light, inversesqrt(1.0 + dot(t, t))) * texel_solid_angle(light.texel_area, t);
+}
+
+// Irradiance on a surface that faces the light, from it alone and unshadowed.
+vec3 light_irradiance(Light light, vec3 position, out vec3 to_light) {
+    if (light.kind == DIRECTIONAL) {
+        to_light = -light.direction;
+        return light.power;
+    }
+    vec3 v = light.origin - position;
+    float squared = max(dot(v, v), 1e-12);
+    to_light = v * inversesqrt(squared);
+    return light.power * spot_falloff(light, dot(-to_light, light.direction)) / squared;
+}

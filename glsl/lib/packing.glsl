@@ -1,0 +1,26 @@
+// Octahedral mapping of unit vectors (Cigolle et al. 2014), and the packings of src/scene/pack.rs.
+
+vec2 sign_not_zero(vec2 v) { return vec2(v.x >= 0.0 ? 1.0 : -1.0, v.y >= 0.0 ? 1.0 : -1.0); }
+
+// Unit vector to [-1, 1]^2.
+vec2 octahedral(vec3 v) {
+    vec2 p = v.xy / (abs(v.x) + abs(v.y) + abs(v.z));
+    return v.z >= 0.0 ? p : (1.0 - abs(p.yx)) * sign_not_zero(p);
+}
+
+// [-1, 1]^2 to the unit vector.
+vec3 octahedral_inverse(vec2 p) {
+    float z = 1.0 - abs(p.x) - abs(p.y);
+    vec2 xy = z >= 0.0 ? p : (1.0 - abs(p.yx)) * sign_not_zero(p);
+    return normalize(vec3(xy, z));
+}
+
+// Two signed normalized 16-bit numbers in a word, x low.
+uint octahedral_snorm16(vec3 v) { return packSnorm2x16(octahedral(v)); }
+vec3 octahedral_snorm16_inverse(uint word) { return octahedral_inverse(unpackSnorm2x16(word)); }
+
+// A tangent, xyz, and its handedness, w: see pack::tangent.
+vec4 tangent_inverse(uint word) {
+    vec2 p = vec2(word & 0x7fffu, (word >> 15) & 0x7fffu) / 32767.0 * 2.0 - 1.0;
+    return vec4(octahedral_inverse(p), (word >> 31) != 0u ? -1.0 : 1.0);
+}

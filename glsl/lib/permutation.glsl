@@ -1,0 +1,21 @@
+// A fixed permutation of [0, count): a four-round Feistel network on the next even power of two, walked until it falls inside.
+uint permutation(uint index, uint count) {
+    uint half_bits = 1u;
+    while ((1u << (2u * half_bits)) < count) half_bits += 1u;
+    uint mask = (1u << half_bits) - 1u;
+    uint value = index;
+    do {
+        uint left = value >> half_bits, right = value & mask;
+        for (uint round = 0u; round < 4u; round++) {
+            uint hashed = (right + 0x9e3779b9u * (round + 1u)) * 0x85ebca6bu;
+            hashed ^= hashed >> 15;
+            hashed *= 0xc2b2ae35u;
+            hashed ^= hashed >> 13;
+            uint next = (left ^ hashed) & mask;
+            left = right;
+            right = next;
+        }
+        value = (left << half_bits) | right;
+    } while (value >= count);
+    return value;
+}

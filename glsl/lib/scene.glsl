@@ -1,0 +1,28 @@
+// Draws and materials, as src/scene/device.rs fills them.
+struct DrawData {
+    mat4x3 transform; // columns: axes and translation
+    uint material;
+};
+
+// Where a material looks a map up.
+struct MapUse {
+    mat2 matrix;
+    vec2 offset;
+    float layer;
+};
+
+struct Material {
+    vec4 base_color;
+    vec3 emission;
+    float metallic;
+    float roughness;
+    float alpha_cutoff;
+    float normal_scale;
+    uint double_sided;
+    MapUse base_color_map;
+    MapUse metallic_roughness_map;
+    MapUse emission_map;
+    MapUse normal_map;
+};
+
+vec3 map_coordinates(MapUse use, vec2 uv) { return vec3(use.matrix * uv + use.offset, use.layer); }

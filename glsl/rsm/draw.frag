@@ -1,0 +1,55 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+#include "lib/light.glsl"
+#include "lib/packing.glsl"
+#include "lib/scene.glsl"
+
+layout(constant_id = 1) const bool BASE_COLOR_MAP = false;
+layout(constant_id = 2) const bool METALLIC_ROUGHNESS_MAP = false;
+layout(constant_id = 4) const bool MASKED = false;
+
+layout(location = 0) in vec3 in_position;
+layout(location = 1) in vec2 in_uv;
+layout(location = 2) in vec4 in_color;
+layout(location = 3) flat in uint in_material;
+layout(location = 4) flat in uint in_light;
+
+layout(location = 0) out vec2 normal;
+layout(location = 1) out vec4 flux;
+layout(location = 2) out vec4 albedo;
+
+layout(scalar, push_constant) uniform Params {
+    vec2 texel_size;  // of the map, in [-1, 1]
+    float albedo_lod; // added to the mip level, so that the albedo is the mean over the area that a VPL stands for
+} params;
+
+layout(scalar) readonly buffer Lights { Light at[]; } lights;
+layout(scalar) readonly buffer Materials { Material at[]; } materials;
+uniform sampler2DArray base_color_map;
+uniform sampler2DArray metallic_roughness_map;
+
+void main() {
+    Material material = materials.at[in_material];
+    vec4 base = material.base_color * in_color;
+    vec3 tint = base.rgb;
+    if (BASE_COLOR_MAP) {
+        vec3 coordinates = map_coordinates(material.base_color_map, in_uv);
+        tint *= texture(base_color_map, coordinates, params.albedo_lod).rgb;
+        if (MASKED) base.a *= texture(base_color_map, coordinates).a;
+    }
+    if (MASKED && base.a < material.alpha_cutoff) discard;
+
+    float metallic = material.metallic;
+    if (METALLIC_ROUGHNESS_MAP) {
+        metallic *= texture(metallic_roughness_map, map_coordinates(material.metallic_roughness_map, in_uv), params.albedo_lod).b;
+    }
+
+    Light light = lights.at[in_light];
+    vec3 n = normalize(cross(dFdx(in_position), dFdy(in_position)));
+    vec3 to_light = light.kind == DIRECTIONAL ? -light.direction : light.origin - in_position;
+    bool lit = gl_FrontFacing || material.double_sided != 0u;
+    normal = octahedral(dot(n, to_light) < 0.0 ? -n : n);
+    flux = vec4(texel_flux(light, gl_FragCoord.xy * params.texel_size - 1.0), 1.0);
+    albedo = vec4(lit ? tint * (1.0 - metallic) : vec3(0.0), 1.0);
+}

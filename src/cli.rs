@@ -1,0 +1,225 @@
+//! The command line, parsed and nothing else.
+
+use crate::config::{TimingMode, choices};
+use crate::gpu::DeviceChoice;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// Real-time many-light global illumination on raw Vulkan.
+#[derive(Debug, Clone, PartialEq, Parser)]
+#[command(name = "manylight", version, about, long_about = None, propagate_version = true)]
+#[command(after_help = "A config alone renders: manylight configs/first-light.toml")]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Clone, PartialEq, Subcommand)]
+pub enum Command {
+    /// Render a config: a picture, its EXR layers and the time of every pass
+    Render(RenderArgs),
+    /// Say which devices there are, what runs on them, and what is missing for the rest
+    Doctor,
+    /// List devices, stages, methods and presets
+    List,
+}
+
+#[derive(Debug, Clone, PartialEq, Args)]
+pub struct RenderArgs {
+    /// The config, a TOML file
+    pub config: PathBuf,
+    /// Folder for the results [default: out/<name of the config>]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Set a key of the config, as in --set gather.interleave=2; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    sets: Vec<String>,
+    /// Measured frames
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    frames: Option<u32>,
+    /// Size of the picture in pixels, as in 960x540
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[u32; 2]>,
+    /// How passes are timed
+    #[arg(long, value_name = "MODE", value_parser = PossibleValuesParser::new(choices::<TimingMode>()).map(String::from))]
+    timing: Option<String>,
+    /// The device to render on: part of its name, its index in `manylight list`, or cpu
+    #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = device)]
+    pub device: Option<DeviceChoice>,
+    /// Turn on the Vulkan validation layer; any message fails the run
+    #[arg(long)]
+    pub validate: bool,
+    /// Write what a pass made, as in --dump gather/per-pixel; may be repeated
+    #[arg(long, value_name = "PASS")]
+    pub dump: Vec<String>,
+    /// Count values that are no numbers after every pass
+    #[arg(long)]
+    pub check_nan: bool,
+    /// Print neither progress nor the table of times
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+impl RenderArgs {
+    /// Where the results go: `--output`, or `out/` and the config's name without its ending.
+    pub fn output(&self) -> PathBuf {
+        self.output.clone().unwrap_or_else(|| Path::new("out").join(self.config.file_stem().unwrap_or("config".as_ref())))
+    }
+
+    /// What changes the config, for [`crate::config::load`]: the `--set` options in order, then the options that have a name.
+    pub fn overrides(&self) -> Vec<String> {
+        let mut overrides = self.sets.clone();
+        overrides.extend(self.frames.map(|frames| format!("frame.count={frames}")));
+        overrides.extend(self.size.map(|[width, height]| format!("frame.size=[{width}, {height}]")));
+        overrides.extend(self.timing.as_ref().map(|mode| format!("frame.timing={mode}")));
+        overrides
+    }
+}
+
+/// Reads the program's arguments; prints help, version or what is wrong with them and ends the program where that is all.
+pub fn parse() -> Cli {
+    Cli::parse_from(with_command(std::env::args_os().collect()))
+}
+
+/// As [`parse`], for arguments that start with the program's name; errors end with code 2 through [`clap::Error::exit`].
+pub fn try_parse(arguments: Vec<OsString>) -> Result<Cli, clap::Error> {
+    Cli::try_parse_from(with_command(arguments))
+}
+
+/// The short form: a config as the first argument means `render`. A file that is called as a command is given as ./NAME.
+fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
+    let commands = ["render", "doctor", "list", "help"];
+    let short = arguments.get(1).is_some_and(|first| {
+        let path = Path::new(first);
+        let plain = !first.to_string_lossy().starts_with('-') && !commands.iter().any(|command| first == command);
+        plain && (path.extension().is_some_and(|extension| extension == "toml") || path.exists())
+    });
+    if short {
+        arguments.insert(1, "render".into());
+    }
+    arguments
+}
+
+fn key_value(text: &str) -> Result<String, String> {
+    match text.split_once('=') {
+        Some((key, _)) if !key.trim().is_empty() => Ok(text.to_owned()),
+        _ => Err("expects key=value, as in gather.interleave=2".to_owned()),
+    }
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let side = |text: &str| text.parse::<u32>().ok().filter(|side| (1..=16_384).contains(side));
+    text.split_once(['x', 'X'])
+        .and_then(|(width, height)| Some([side(width)?, side(height)?]))
+        .ok_or_else(|| "expects WIDTHxHEIGHT, as in 960x540, each 1 to 16384".to_owned())
+}
+
+fn device(text: &str) -> Result<DeviceChoice, String> {
+    match text.trim() {
+        "" => Err("expects a part of the device's name, its index, or cpu".to_owned()),
+        text => Ok(DeviceChoice::parse(text)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+    use clap::error::ErrorKind;
+
+    fn arguments(line: &str) -> Result<Cli, clap::Error> {
+        try_parse(std::iter::once("manylight").chain(line.split_whitespace()).map(OsString::from).collect())
+    }
+
+    fn render(line: &str) -> RenderArgs {
+        match arguments(line).unwrap().command {
+            Command::Render(render) => render,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn the_definition_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_config_alone_renders() {
+        assert_eq!(render("first.toml -q --frames 3"), render("render first.toml -q --frames 3"));
+        assert_eq!(render("Cargo.toml"), render("render Cargo.toml"));
+        // An existing file needs no ending; what is neither a file nor a command is a mistake.
+        assert_eq!(render("./src/cli.rs").config, Path::new("./src/cli.rs"));
+        assert_eq!(arguments("frist-light").unwrap_err().kind(), ErrorKind::InvalidSubcommand);
+    }
+
+    #[test]
+    fn options_become_overrides_after_those_of_set() {
+        let options = "--timing serial --set vpls.count=64 --size 64x32 --frames 2 --set gather.method=per-pixel";
+        let render = render(&format!("render c.toml {options}"));
+        assert_eq!(
+            render.overrides(),
+            ["vpls.count=64", "gather.method=per-pixel", "frame.count=2", "frame.size=[64, 32]", "frame.timing=serial"]
+        );
+        let config = crate::config::parse("", Path::new("c.toml"), &render.overrides()).unwrap();
+        assert_eq!((config.frame.size, config.frame.count, config.frame.timing), ([64, 32], 2, TimingMode::Serial));
+    }
+
+    #[test]
+    fn the_results_go_to_a_folder_named_after_the_config() {
+        assert_eq!(render("configs/first-light.toml").output(), Path::new("out/first-light"));
+        assert_eq!(render("c.toml -o there").output(), Path::new("there"));
+    }
+
+    #[test]
+    fn a_device_is_a_name_an_index_or_cpu() {
+        let device = |line: &str| render(line).device;
+        assert_eq!(device("c.toml"), None);
+        assert_eq!(device("c.toml --device cpu"), Some(DeviceChoice::Cpu));
+        assert_eq!(device("c.toml --device 1"), Some(DeviceChoice::Index(1)));
+        assert_eq!(device("c.toml --device llvmpipe"), Some(DeviceChoice::Name("llvmpipe".to_owned())));
+    }
+
+    #[test]
+    fn flags_are_off_until_they_are_given() {
+        let plain = render("c.toml");
+        assert!(!plain.validate && !plain.check_nan && !plain.quiet && plain.dump.is_empty() && plain.overrides().is_empty());
+        let all = render("c.toml --validate --check-nan --quiet --dump rsm/draw --dump gather/per-pixel");
+        assert!(all.validate && all.check_nan && all.quiet);
+        assert_eq!(all.dump, ["rsm/draw", "gather/per-pixel"]);
+    }
+
+    #[test]
+    fn mistakes_end_with_code_2_and_help_with_0() {
+        let mistakes = [
+            "",
+            "render",
+            "c.toml --size 0x5",
+            "c.toml --size 64",
+            "c.toml --size 64x99999",
+            "c.toml --frames 0",
+            "c.toml --frames many",
+            "c.toml --timing fast",
+            "c.toml --set vpls.count",
+            "c.toml --set =3",
+            "c.toml --unknown",
+            "c.toml d.toml",
+            "doctor now",
+        ];
+        for line in mistakes {
+            assert_eq!(arguments(line).expect_err(line).exit_code(), 2, "{line}");
+        }
+        assert!(arguments("c.toml --size 64").unwrap_err().to_string().contains("expects WIDTHxHEIGHT, as in 960x540"));
+        for line in ["--help", "--version", "render --help", "help"] {
+            assert_eq!(arguments(line).expect_err(line).exit_code(), 0, "{line}");
+        }
+        assert_eq!(arguments("--version").unwrap_err().to_string(), format!("manylight {}\n", env!("CARGO_PKG_VERSION")));
+    }
+
+    #[test]
+    fn doctor_and_list_take_nothing() {
+        assert_eq!(arguments("doctor").unwrap().command, Command::Doctor);
+        assert_eq!(arguments("list").unwrap().command, Command::List);
+    }
+}

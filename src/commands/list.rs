@@ -1,0 +1,32 @@
+//! `manylight list`: devices, stages with their methods, presets.
+
+use crate::gpu::Gpu;
+use crate::presets;
+use crate::stages::METHODS;
+use anyhow::Result;
+
+/// Prints the lists; a machine without Vulkan still lists the rest.
+pub fn run() -> Result<()> {
+    println!("devices");
+    match Gpu::adapters() {
+        Ok(adapters) if adapters.is_empty() => println!("  none"),
+        Ok(adapters) => {
+            for (i, adapter) in adapters.iter().enumerate() {
+                println!("  {i}: {} [{}], {}", adapter.name, adapter.kind(), adapter.driver);
+            }
+        }
+        Err(error) => println!("  none: {error:#}"),
+    }
+    println!("\nstages and methods");
+    let mut slots: Vec<&str> = METHODS.iter().map(|method| method.slot).collect();
+    slots.dedup();
+    for slot in slots {
+        let names: Vec<&str> = METHODS.iter().filter(|method| method.slot == slot).map(|method| method.name).collect();
+        println!("  {slot:<18} {}", names.join(", "));
+    }
+    println!("\npresets");
+    for (name, text) in presets::all() {
+        println!("  {name:<18} {}", presets::title(text));
+    }
+    Ok(())
+}

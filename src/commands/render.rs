@@ -1,0 +1,218 @@
+//! `manylight render CONFIG`: pictures, layers, times, and a record of how they came about.
+
+use crate::cli::RenderArgs;
+use crate::config::{self, Config, Layer as LayerName};
+use crate::fail;
+use crate::gpu::{Gpu, Options};
+use crate::graph::{Dump, DumpData, Execution};
+use crate::output::exr::Precision;
+use crate::output::{Layer, RunReport, prepare_folder, write_exr, write_file, write_png};
+use crate::presets;
+use crate::renderer::{Picture, Plane, Renderer, load_scene, timing};
+use crate::report::{Device, PassTime, Provenance, Timings, peak_memory_bytes, timing_table, timings_csv};
+use anyhow::{Context, Result};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::Path;
+use std::time::Duration;
+
+/// Renders and writes everything; prints where it is and how long each stage took.
+pub fn run(args: &RenderArgs) -> Result<()> {
+    let config = load_config(args)?;
+    let folder = args.output();
+    prepare_folder(&folder)?;
+    let progress = Progress::new(args.quiet);
+
+    progress.say("loading the scene");
+    let options = Options { device: args.device.clone().unwrap_or_default(), validate: args.validate };
+    let (scene, gpu) = rayon::join(|| load_scene(&config.scene), || Gpu::new(&options));
+    let (gpu, (scene, mut warnings)) = (gpu?, scene?);
+    progress.say("bringing the scene to the device");
+    let mut renderer = Renderer::new(gpu, scene)?;
+    renderer.check(&config)?;
+    warnings.extend(renderer.warnings(&config));
+    warnings.iter().for_each(|warning| progress.warn(warning));
+
+    let mut execution = Execution { timing: timing(&config, &renderer.gpu().adapter), ..Execution::default() };
+    progress.say("preparing the shaders");
+    for i in 0..config.frame.warmup {
+        renderer.render(&config, 0, false, &execution)?;
+        progress.say(&format!("warm-up frame {} of {}", i + 1, config.frame.warmup));
+    }
+    let mut times = Vec::new();
+    let mut last = None;
+    for frame in 0..config.frame.count {
+        progress.frame(frame, config.frame.count);
+        let is_last = frame + 1 == config.frame.count;
+        if is_last {
+            execution.dump = args.dump.clone();
+            execution.check_nan = args.check_nan;
+        }
+        let rendered = renderer.render(&config, frame, is_last, &execution)?;
+        times.extend(rendered.times.iter().map(|(pass, ms)| PassTime { frame, pass: (*pass).to_owned(), ms: *ms }));
+        last = is_last.then_some(rendered);
+    }
+    let Some(rendered) = last else { unreachable!("a config renders at least one frame") };
+    let Some(picture) = &rendered.picture else { unreachable!("the last frame is brought back") };
+
+    progress.say("writing");
+    let from = provenance(args, &config, &renderer);
+    write_png(&folder.join("image.png"), picture.size[0], picture.size[1], &picture.image)?;
+    let metadata = [("version", from.version.clone()), ("preset", from.preset.clone()), ("device", from.device.name.clone())];
+    write_exr(&folder.join("image.exr"), picture.size[0], picture.size[1], layers(picture, &config.output.layers), &metadata)?;
+    write_file(&folder.join("timings.csv"), &timings_csv(&times, &from)?)?;
+    let dumped = rendered.dumps.iter().map(|dump| write_dump(&folder, dump)).collect::<Result<Vec<String>>>()?;
+    let mut checks = std::collections::BTreeMap::new();
+    if args.check_nan {
+        let found = rendered.non_finite.iter().map(|(pass, image, count)| (format!("{pass}: {image}"), serde_json::json!(count)));
+        checks.insert("check-nan".to_owned(), serde_json::Value::Object(found.collect()));
+    }
+    let messages = renderer.gpu().validation_messages();
+    if args.validate {
+        checks.insert("validation".to_owned(), serde_json::json!(messages));
+    }
+    let counts = [
+        ("scene/triangles".to_owned(), renderer.device_scene().triangles),
+        ("vpls/count".to_owned(), u64::from(config.vpls.count)),
+        ("device/memory-bytes".to_owned(), renderer.gpu().memory_in_use()),
+    ];
+    let report = RunReport {
+        from: from.clone(),
+        seed: u64::from(config.frame.seed),
+        frames: config.frame.count,
+        warmup: config.frame.warmup,
+        timings: Timings::of(&times),
+        counts: counts.into(),
+        checks,
+        warnings,
+        peak_memory_bytes: peak_memory_bytes(),
+        config: serde_json::to_value(&config).context("the config cannot be written as JSON")?,
+    };
+    report.write(&folder.join("run.json"))?;
+    progress.end();
+
+    if !args.quiet {
+        print!("{}", timing_table(&times, &from, false));
+    }
+    println!("{}", folder.join("image.png").display());
+    dumped.iter().for_each(|path| println!("{path}"));
+    if let Some((pass, image, count)) = rendered.non_finite.first() {
+        return Err(fail!(ComparisonFailed, "pass {pass}: {count} texels of {image} are not finite numbers"));
+    }
+    if let Some(first) = messages.first() {
+        return Err(fail!(ComparisonFailed, "the validation layer has {} messages, the first: {first}", messages.len()));
+    }
+    Ok(())
+}
+
+/// A file, or by its name one of the presets that come with the program.
+fn load_config(args: &RenderArgs) -> Result<Config> {
+    let preset = args.config.to_str().and_then(presets::find);
+    match preset {
+        Some(text) if !args.config.exists() => config::parse(text, &args.config.with_extension("toml"), &args.overrides()),
+        _ => config::load(&args.config, &args.overrides()),
+    }
+}
+
+fn provenance(args: &RenderArgs, config: &Config, renderer: &Renderer) -> Provenance {
+    let adapter = &renderer.gpu().adapter;
+    let (driver, version) = adapter.driver.split_once(' ').unwrap_or((adapter.driver.as_str(), ""));
+    let mode = match timing(config, adapter) {
+        crate::graph::Timing::Isolated => "isolated",
+        crate::graph::Timing::Overlapped => "overlapped",
+        crate::graph::Timing::Serial => "serial",
+    };
+    Provenance {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        preset: args.config.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        device: Device {
+            name: adapter.name.clone(),
+            kind: adapter.kind().to_owned(),
+            driver: driver.to_owned(),
+            driver_version: version.to_owned(),
+        },
+        timing_mode: mode.to_owned(),
+        width: config.frame.size[0],
+        height: config.frame.size[1],
+    }
+}
+
+/// The EXR's layers: the picture's radiance without a name, and those that the config asks for.
+fn layers(picture: &Picture, wanted: &[LayerName]) -> Vec<Layer> {
+    let color = |name: &str, plane: &Plane| Layer::interleaved(name, "RGB", plane.channels, &plane.values, Precision::Half);
+    let radiance = &picture.radiance;
+    let mut layers = vec![Layer::interleaved("", "RGBA", radiance.channels, &radiance.values, Precision::Half)];
+    let vectors = |name: &str, vectors: Vec<glam::Vec3>| {
+        let values: Vec<f32> = vectors.iter().flat_map(|v| v.to_array()).collect();
+        Layer::interleaved(name, "XYZ", 3, &values, Precision::Float)
+    };
+    layers.extend(wanted.iter().map(|layer| match layer {
+        LayerName::Direct => color("direct", &picture.direct),
+        LayerName::Indirect => color("indirect", &picture.indirect),
+        LayerName::Irradiance => color("irradiance", &picture.irradiance),
+        LayerName::Albedo => color("albedo", &picture.albedo),
+        LayerName::Normal => vectors("N", picture.normals()),
+        LayerName::Position => vectors("P", picture.positions()),
+        LayerName::Depth => Layer::interleaved("", "Z", 1, &picture.distances(), Precision::Float),
+    }));
+    layers
+}
+
+/// Writes a dumped resource below `DIR/dump/<pass>/`: an image as EXR, its layers as such; a buffer as its bytes.
+fn write_dump(folder: &Path, dump: &Dump) -> Result<String> {
+    let folder = folder.join("dump").join(dump.pass.replace('/', "."));
+    prepare_folder(&folder)?;
+    let name = dump.resource.replace('/', ".");
+    let path = match &dump.data {
+        DumpData::Image { format, size, layers, texels } => {
+            let path = folder.join(format!("{name}.exr"));
+            let plane = Plane::decode(*format, texels);
+            let of_layer = (size[0] * size[1]) as usize * plane.channels;
+            let channels = &"RGBA"[..plane.channels];
+            let layers = plane.values.chunks_exact(of_layer).enumerate().map(|(i, values)| {
+                let name = if *layers > 1 { format!("layer{i}") } else { String::new() };
+                Layer::interleaved(&name, channels, plane.channels, values, Precision::Float)
+            });
+            write_exr(&path, size[0], size[1], layers.collect(), &[])?;
+            path
+        }
+        DumpData::Buffer { element, element_bytes, bytes } => {
+            let path = folder.join(format!("{name}.{element}.{element_bytes}-bytes.bin"));
+            write_file(&path, bytes)?;
+            path
+        }
+    };
+    Ok(path.display().to_string())
+}
+
+/// A line on stderr that says what is going on; nothing where stderr is no terminal or the user wants quiet.
+struct Progress(ProgressBar);
+
+impl Progress {
+    fn new(quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self(bar)
+    }
+
+    fn say(&self, what: &str) {
+        self.0.set_message(what.to_owned());
+    }
+
+    fn warn(&self, what: &str) {
+        self.0.suspend(|| eprintln!("manylight: warning: {what}"));
+    }
+
+    fn frame(&self, frame: u32, count: u32) {
+        if frame == 0
+            && let Ok(style) = ProgressStyle::with_template("{spinner} frame {pos}/{len} [{bar:40}] {eta}")
+        {
+            self.0.set_length(u64::from(count));
+            self.0.set_style(style);
+        }
+        self.0.set_position(u64::from(frame));
+    }
+
+    fn end(&self) {
+        self.0.finish_and_clear();
+    }
+}

@@ -1,0 +1,268 @@
+//! Checks a merged config key by key against the list of keys: unknown keys, wrong types, values out of range. What passes
+//! deserializes.
+
+use super::keys::{BRIGHTEST, FARTHEST, FINITE, KeyInfo, Kind, LIGHT_KINDS, Range, keys, listed};
+use super::tree::{Node, Origin, Table, Value, join, quoted};
+use crate::fail;
+use anyhow::Result;
+
+/// An error at a place: `file:line: key: message`.
+pub fn error(origin: &Origin, path: &str, message: impl std::fmt::Display) -> anyhow::Error {
+    fail!(BadInput, "{origin}: {path}: {message}")
+}
+
+/// Checks a table and all below it. `pattern` is its key in the list, `path` its key with real indices.
+pub fn table(table: &Table, pattern: &str, path: &str) -> Result<()> {
+    let mut entries: Vec<_> = table.iter().collect();
+    entries.sort_by_key(|(_, node)| (std::cmp::Reverse(node.origin.source.layer), node.origin.line));
+    for (key, node) in entries {
+        let path = join(path, key);
+        let pattern = if pattern.is_empty() { key.clone() } else { format!("{pattern}.{key}") };
+        let dotted = key.contains('.');
+        if let Some(info) = find(&pattern).filter(|_| !dotted) {
+            value(node, info, &path)?;
+        } else if !dotted && !key.is_empty() && is_section(&pattern) {
+            match &node.value {
+                Value::Table(inner) => self::table(inner, &pattern, &path)?,
+                _ => return Err(error(&node.origin, &path, format_args!("expects a table, found {}", node.found()))),
+            }
+        } else {
+            return Err(error(&node.origin, &path, format_args!("unknown key{}", hint(key, &pattern))));
+        }
+    }
+    Ok(())
+}
+
+fn find(pattern: &str) -> Option<&'static KeyInfo> {
+    keys().iter().find(|info| info.key == pattern)
+}
+
+fn is_section(pattern: &str) -> bool {
+    keys().iter().any(|info| info.key.strip_prefix(pattern).is_some_and(|rest| rest.starts_with('.')))
+}
+
+/// The near miss of an unknown key: beside it, else the same name in another section.
+fn hint(key: &str, pattern: &str) -> String {
+    let parent = pattern.strip_suffix(key).unwrap_or("");
+    let siblings: Vec<&str> = keys()
+        .iter()
+        .filter_map(|info| info.key.strip_prefix(parent))
+        .map(|rest| rest.split('.').next().unwrap_or(rest))
+        .filter(|name| *name != "N")
+        .collect();
+    if let Some(near) = nearest(key, &siblings) {
+        return format!("; did you mean \"{near}\"?");
+    }
+    let elsewhere = keys().iter().find(|info| !info.key.contains(".N.") && info.key.rsplit('.').next() == Some(key));
+    match elsewhere {
+        Some(info) => format!("; did you mean \"{}\"?", info.key),
+        None if siblings.is_empty() => String::new(),
+        None => {
+            let mut names = siblings;
+            names.dedup();
+            format!("; known here are {}", names.join(", "))
+        }
+    }
+}
+
+/// The name closest to `name`, if it is close enough to be meant.
+pub fn nearest<'n>(name: &str, names: &[&'n str]) -> Option<&'n str> {
+    // Edit distance is quadratic, and nothing that long is a slip of the finger.
+    if name.len() > 64 {
+        return None;
+    }
+    let lower = name.to_lowercase().replace('_', "-");
+    let distance = |other: &str| strsim::damerau_levenshtein(&lower, &other.replace('_', "-"));
+    let best = names.iter().min_by_key(|other| distance(other))?;
+    (distance(best) <= 1.max(name.chars().count().min(best.len()) / 3)).then_some(*best)
+}
+
+fn value(node: &Node, info: &KeyInfo, path: &str) -> Result<()> {
+    let wrong = || error(&node.origin, path, format_args!("expects {}, found {}", info.kind.expects(), node.found()));
+    let out =
+        |what: &dyn std::fmt::Display| error(&node.origin, path, format_args!("{what} is out of range, expected {}", info.kind.range()));
+    match (&info.kind, &node.value) {
+        (Kind::Text, Value::Text(text)) => {
+            if text.is_empty() {
+                return Err(error(&node.origin, path, "is empty"));
+            }
+        }
+        (Kind::Choice(names), Value::Text(text)) => choice(node, text, names, path)?,
+        (Kind::Choices(names), Value::List(items)) => {
+            for (index, item) in items.iter().enumerate() {
+                let path = join(path, &index.to_string());
+                let Value::Text(text) = &item.value else {
+                    return Err(error(&item.origin, &path, format_args!("expects a name, found {}", item.found())));
+                };
+                choice(item, text, names, &path)?;
+                if items[..index].iter().any(|other| matches!(&other.value, Value::Text(other) if other == text)) {
+                    return Err(error(&item.origin, &path, format_args!("\"{text}\" is there twice")));
+                }
+            }
+        }
+        (Kind::IndexOrName, Value::Text(text)) if !text.is_empty() => {}
+        (Kind::IndexOrName, Value::Whole(whole)) => {
+            if u32::try_from(*whole).is_err() {
+                return Err(out(whole));
+            }
+        }
+        (Kind::Whole { min, max }, Value::Whole(whole)) => {
+            if whole < min || whole > max {
+                return Err(out(whole));
+            }
+        }
+        (Kind::OneOf(values), Value::Whole(whole)) => {
+            if !values.contains(whole) {
+                return Err(out(whole));
+            }
+        }
+        (Kind::Number(range), Value::Whole(_) | Value::Number(_)) => {
+            number(node, *range, path)?;
+        }
+        (Kind::Size { max }, Value::List(items)) => {
+            if items.len() != 2 {
+                return Err(wrong());
+            }
+            for item in items {
+                match item.value {
+                    Value::Whole(side) if (1..=*max).contains(&side) => {}
+                    Value::Whole(side) => return Err(error(&item.origin, path, out_of_range(&side, info))),
+                    _ => {
+                        return Err(error(
+                            &item.origin,
+                            path,
+                            format_args!("expects {}, found {} in it", info.kind.expects(), item.found()),
+                        ));
+                    }
+                }
+            }
+        }
+        (Kind::Point, Value::List(items)) => {
+            three(items, FARTHEST, path).unwrap_or_else(|| Err(wrong()))?;
+        }
+        (Kind::Color, Value::List(items)) => {
+            three(items, BRIGHTEST, path).unwrap_or_else(|| Err(wrong()))?;
+        }
+        (Kind::Direction, Value::List(items)) => {
+            if three(items, FINITE, path).unwrap_or_else(|| Err(wrong()))? == [0.0; 3] {
+                return Err(error(&node.origin, path, "[0, 0, 0] has no direction"));
+            }
+        }
+        (Kind::Tables, Value::List(items)) => {
+            for (index, item) in items.iter().enumerate() {
+                element(item, info, &join(path, &index.to_string()))?;
+            }
+        }
+        _ => return Err(wrong()),
+    }
+    Ok(())
+}
+
+fn out_of_range(value: &i64, info: &KeyInfo) -> String {
+    format!("{value} is out of range, expected {}", info.kind.range())
+}
+
+fn choice(node: &Node, text: &str, names: &[&str], path: &str) -> Result<()> {
+    if names.contains(&text) {
+        return Ok(());
+    }
+    let near = nearest(text, names).map(|near| format!("; did you mean \"{near}\"?")).unwrap_or_default();
+    let expected = if names.len() == 1 { "expected" } else { "expected one of" };
+    Err(error(&node.origin, path, format_args!("unknown value {}, {expected} {}{near}", quoted(text), listed(names))))
+}
+
+/// A number as the 32-bit one that it becomes, so that what rounds to zero counts as zero.
+fn number(node: &Node, range: Range, path: &str) -> Result<f32> {
+    let (value, shown) = match node.value {
+        Value::Whole(whole) => (whole as f32, whole.to_string()),
+        Value::Number(number) => (number as f32, format!("{number:?}")),
+        _ => return Err(error(&node.origin, path, format_args!("expects a number, found {}", node.found()))),
+    };
+    if range.contains(value) {
+        return Ok(value);
+    }
+    Err(error(&node.origin, path, format_args!("{shown} is out of range, expected {}", range.text())))
+}
+
+/// Three numbers; `None` if there are not three.
+fn three(items: &[Node], range: Range, path: &str) -> Option<Result<[f32; 3]>> {
+    let items: &[Node; 3] = items.try_into().ok()?;
+    let mut values = [0.0; 3];
+    for (value, item) in values.iter_mut().zip(items) {
+        match number(item, range, path) {
+            Ok(number) => *value = number,
+            Err(error) => return Some(Err(error)),
+        }
+    }
+    Some(Ok(values))
+}
+
+/// One table of a list: what it must have is there, and a light has only what its kind has.
+fn element(item: &Node, list: &KeyInfo, path: &str) -> Result<()> {
+    let Value::Table(table) = &item.value else {
+        return Err(error(&item.origin, path, format_args!("expects a table, found {}", item.found())));
+    };
+    let pattern = format!("{}.N", list.key);
+    let light = if list.key == "light" { light_kind(item, table, path)? } else { "" };
+    if list.key == "light" {
+        only_for(table, &pattern, path, light)?;
+    }
+    self::table(table, &pattern, path)?;
+    for info in keys() {
+        let Some(name) = info.key.strip_prefix(pattern.as_str()).and_then(|rest| rest.strip_prefix('.')) else { continue };
+        let applies = light.is_empty() || info.lights.contains(&light);
+        if info.default.is_none() && applies && !name.contains('.') && !table.contains_key(name) {
+            let what = if light.is_empty() { String::new() } else { format!("{} light ", with_article(light)) };
+            return Err(error(&item.origin, path, format_args!("{what}needs {name}")));
+        }
+    }
+    Ok(())
+}
+
+fn light_kind(item: &Node, table: &Table, path: &str) -> Result<&'static str> {
+    match table.get("kind") {
+        None => Err(error(&item.origin, path, format_args!("needs kind, one of {}", listed(LIGHT_KINDS)))),
+        Some(kind) => {
+            let path = join(path, "kind");
+            match (&kind.value, find("light.N.kind")) {
+                (_, Some(info)) => value(kind, info, &path)?,
+                (_, None) => unreachable!("light.N.kind is in the list of keys"),
+            }
+            let name = LIGHT_KINDS.iter().find(|name| matches!(&kind.value, Value::Text(text) if text == *name));
+            name.copied().ok_or_else(|| unreachable!("the kind was checked against the same list"))
+        }
+    }
+}
+
+/// Refuses keys that only other kinds of light have, in a light and in its keyframes.
+fn only_for(table: &Table, pattern: &str, path: &str, light: &str) -> Result<()> {
+    for (key, node) in table {
+        let Some(info) = find(&format!("{pattern}.{key}")) else { continue };
+        // A directional light has a position if it has a target, which is a rule of its own.
+        let has = info.lights.contains(&light) || (key == "position" && light == "directional");
+        if !has {
+            let instead = match key.as_str() {
+                "irradiance" | "intensity" | "radiance" => {
+                    let own = ["irradiance", "intensity", "radiance"];
+                    let own = own.iter().find(|own| find(&format!("light.N.{own}")).is_some_and(|info| info.lights.contains(&light)));
+                    own.map(|own| format!("; give {own}")).unwrap_or_default()
+                }
+                _ => String::new(),
+            };
+            return Err(error(&node.origin, &join(path, key), format_args!("{} light has no {key}{instead}", with_article(light))));
+        }
+        if let (Kind::Tables, Value::List(items)) = (&info.kind, &node.value) {
+            for (index, item) in items.iter().enumerate() {
+                if let Value::Table(inner) = &item.value {
+                    let path = join(&join(path, key), &index.to_string());
+                    only_for(inner, &format!("{}.N", info.key), &path, light)?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn with_article(light: &str) -> String {
+    if light.starts_with('e') { format!("an {light}") } else { format!("a {light}") }
+}

@@ -1,0 +1,211 @@
+//! From files and `--set` options to a checked config, and back to TOML.
+
+use super::tree::{Lines, Node, Origin, Source, Table, Value, insert, overlay, override_value, quoted};
+use super::{Config, check, rules};
+use crate::fail;
+use anyhow::Result;
+use serde::Deserialize;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use toml::de::DeTable;
+
+/// No config is that long: a picture given by mistake is.
+const LARGEST_FILE: u64 = 1 << 20;
+/// A chain of bases that is longer is a mistake.
+const MOST_FILES: usize = 16;
+
+/// Loads a config file with its bases, then applies `overrides` (`key=value`) in order.
+///
+/// Every error is one sentence with file, line and key, and ends the program with [`crate::error::Exit::BadInput`].
+pub fn load(path: &Path, overrides: &[String]) -> Result<Config> {
+    let (config, root) = resolve(&read(path)?, path, overrides)?;
+    if let Some(file) = config.scene.file.as_ref().filter(|file| !file.is_file()) {
+        let what = if file.exists() { "is not a file" } else { "does not exist" };
+        return Err(rules::error_at(&root, "scene.file", format_args!("{} {what}", shown(file))));
+    }
+    Ok(config)
+}
+
+/// As [`load`], for a text that would be at `origin`; looks at no file but the text's bases.
+pub fn parse(text: &str, origin: &Path, overrides: &[String]) -> Result<Config> {
+    Ok(resolve(text, origin, overrides)?.0)
+}
+
+/// The config as TOML that loads again to the same value.
+pub fn to_toml(config: &Config) -> String {
+    match toml::to_string(config) {
+        Ok(text) => text,
+        Err(error) => unreachable!("a config is tables of plain data: {error}"),
+    }
+}
+
+fn resolve(text: &str, path: &Path, overrides: &[String]) -> Result<(Config, Node)> {
+    let mut root = chain(text, path)?;
+    for text in overrides {
+        set(&mut root, text)?;
+    }
+    let Value::Table(table) = &mut root.value else { unreachable!("a document is a table") };
+    check::table(table, "", "")?;
+    rules::given(table)?;
+    scene_path(table)?;
+    let mut config = match Config::deserialize(root.clone().into_toml()) {
+        Ok(config) => config,
+        Err(error) => unreachable!("the list of keys lets through what the types refuse: {error}"),
+    };
+    if config.scene.file.is_some() {
+        config.scene.builtin = None;
+    }
+    rules::values(&config, &root)?;
+    Ok((config, root))
+}
+
+/// The file's tree over that of its base, and so on down.
+fn chain(text: &str, path: &Path) -> Result<Node> {
+    let mut files = vec![path.to_path_buf()];
+    let (mut root, mut base) = document(text, path, MOST_FILES)?;
+    while let Some((origin, base_path)) = base {
+        let names = || files.iter().chain([&base_path]).map(|file| shown(file)).collect::<Vec<_>>().join(" -> ");
+        let same = |file: &PathBuf| match (file.canonicalize(), base_path.canonicalize()) {
+            (Ok(file), Ok(base)) => file == base,
+            _ => file == &base_path,
+        };
+        if files.iter().any(same) {
+            return Err(check::error(&origin, "base", format_args!("the chain of bases is a circle: {}", names())));
+        }
+        if files.len() == MOST_FILES {
+            return Err(check::error(&origin, "base", format_args!("the chain of bases is longer than {MOST_FILES} files")));
+        }
+        let text = read(&base_path).map_err(|error| check::error(&origin, "base", error))?;
+        let (mut below, next) = document(&text, &base_path, MOST_FILES - files.len())?;
+        files.push(base_path);
+        overlay(&mut below, root, "");
+        root = below;
+        base = next;
+    }
+    Ok(root)
+}
+
+/// One file's tree and, apart from it, the base that it names.
+fn document(text: &str, path: &Path, layer: usize) -> Result<(Node, Option<(Origin, PathBuf)>)> {
+    let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let source = Rc::new(Source { name: shown(path), folder: folder.clone(), layer });
+    let lines = Lines::new(source.clone(), text);
+    let table = DeTable::parse(text).map_err(|error| {
+        let start = error.span().map_or(text.len(), |span| span.start);
+        let message = error.message().replace('\n', ", ");
+        fail!(BadInput, "{}, column {}: not valid TOML: {message}", lines.origin(start), lines.column(start))
+    })?;
+    let mut table = lines.table(table.get_ref());
+    let base = match table.remove("base") {
+        None => None,
+        Some(Node { origin, value: Value::Text(base) }) if !base.is_empty() => Some((origin, folder.join(base))),
+        Some(node) => return Err(check::error(&node.origin, "base", format_args!("expects the path of a config, found {}", node.found()))),
+    };
+    Ok((Node { origin: Origin { source, line: 0 }, value: Value::Table(table) }, base))
+}
+
+/// A path on one line, whatever is in it.
+fn shown(path: &Path) -> String {
+    let text = path.display().to_string();
+    if text.contains(char::is_control) { text.escape_debug().to_string() } else { text }
+}
+
+fn read(path: &Path) -> Result<String> {
+    let shown = shown(path);
+    let metadata = path.metadata().map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => fail!(BadInput, "{shown}: there is no such file"),
+        _ => fail!(BadInput, "{shown}: cannot be read: {error}"),
+    })?;
+    if !metadata.is_file() {
+        return Err(fail!(BadInput, "{shown}: is not a file"));
+    }
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)
+        .and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes))
+        .map_err(|error| fail!(BadInput, "{shown}: cannot be read: {error}"))?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(fail!(BadInput, "{shown}: is larger than 1 MiB, which no config is"));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let line = error.as_bytes()[..at].iter().filter(|&&byte| byte == b'\n').count() + 1;
+        fail!(BadInput, "{shown}:{line}: is not UTF-8 text")
+    })
+}
+
+/// Applies one `--set key=value`.
+fn set(root: &mut Node, text: &str) -> Result<()> {
+    let source = Rc::new(Source { name: format!("--set {}", text.escape_debug()), folder: PathBuf::new(), layer: MOST_FILES + 1 });
+    let origin = Origin { source: source.clone(), line: 0 };
+    let Some((key, value)) = text.split_once('=') else {
+        return Err(fail!(BadInput, "--set {}: expects key=value, as in --set gather.interleave=2", quoted(text)));
+    };
+    let key = key.trim();
+    if key == "base" {
+        return Err(check::error(&origin, key, "only a file has a base; write a small config that names it"));
+    }
+    let parts: Vec<&str> = key.split('.').map(str::trim).collect();
+    if parts.iter().any(|part| part.is_empty()) || parts.len() > 8 {
+        return Err(fail!(BadInput, "{origin}: expects a dotted key such as gather.interleave before the ="));
+    }
+    let Some((last, parents)) = parts.split_last() else { unreachable!("split gives at least one part") };
+    let value = override_value(&source, value.trim());
+    let mut node = root;
+    let (mut path, mut pattern) = (String::new(), String::new());
+    let extend = |path: &mut String, part: &str| {
+        if !path.is_empty() {
+            path.push('.');
+        }
+        path.push_str(part);
+    };
+    for part in parents {
+        node = match &mut node.value {
+            Value::Table(table) => {
+                extend(&mut pattern, part);
+                let empty = || Node { origin: origin.clone(), value: Value::Table(Table::new()) };
+                table.entry((*part).to_owned()).or_insert_with(empty)
+            }
+            Value::List(items) => {
+                extend(&mut pattern, "N");
+                item(items, part, &path, &origin)?
+            }
+            _ => return Err(check::error(&origin, &path, format_args!("is no table, it has no key {}", quoted(part)))),
+        };
+        extend(&mut path, part);
+    }
+    match &mut node.value {
+        Value::Table(table) => insert(table, (*last).to_owned(), value, &pattern),
+        Value::List(items) => {
+            extend(&mut pattern, "N");
+            overlay(item(items, last, &path, &origin)?, value, &pattern);
+        }
+        _ => return Err(check::error(&origin, &path, format_args!("is no table, it has no key {}", quoted(last)))),
+    }
+    Ok(())
+}
+
+fn item<'l>(items: &'l mut [Node], part: &str, path: &str, origin: &Origin) -> Result<&'l mut Node> {
+    let count = items.len();
+    part.parse::<usize>().ok().and_then(|index| items.get_mut(index)).ok_or_else(|| {
+        let has = match count {
+            0 => "is an empty list".to_owned(),
+            1 => "has one entry, 0".to_owned(),
+            count => format!("has {count} entries, 0 to {}", count - 1),
+        };
+        check::error(origin, path, format_args!("{has}, and none called {}", quoted(part)))
+    })
+}
+
+/// Makes `scene.file` absolute, from the folder of the file that says it.
+fn scene_path(root: &mut Table) -> Result<()> {
+    let Some(Node { value: Value::Table(scene), .. }) = root.get_mut("scene") else { return Ok(()) };
+    let Some(Node { value: Value::Text(file), origin }) = scene.get_mut("file") else { return Ok(()) };
+    let full = std::path::absolute(origin.source.folder.join(&*file))
+        .map_err(|error| check::error(origin, "scene.file", format_args!("cannot be made a full path: {error}")))?;
+    match full.into_os_string().into_string() {
+        Ok(full) => *file = full,
+        Err(_) => return Err(check::error(origin, "scene.file", "lies in a folder whose name is not UTF-8; rename it")),
+    }
+    Ok(())
+}

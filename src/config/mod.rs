@@ -1,0 +1,45 @@
+//! What a run does: a TOML file, as typed data with a default for every key.
+//!
+//! One section a slot of the frame. Paths, enums and ranges are checked when a file is loaded; whoever builds a [`Config`]
+//! in code keeps the ranges that the fields name.
+
+mod check;
+mod keys;
+mod load;
+mod rules;
+mod scene;
+mod stages;
+mod tree;
+
+pub use keys::{KeyInfo, Kind, Range, choices, keys, markdown_table};
+pub use load::{load, parse, to_toml};
+pub use scene::{Builtin, CameraConfig, CameraKeyframe, Interpolation, LightConfig, LightKeyframe, SceneConfig, SceneSelector};
+pub use stages::{
+    BoxConfig, ComposeConfig, Dielectric, DirectConfig, FilterConfig, FilterKind, FrameConfig, GatherConfig, GatherMethod, Layer,
+    MaterialsConfig, OutputConfig, RsmConfig, Shadows, TimingMode, Tonemap, VisibilityConfig, VisibilityMethod, VplSampler, VplsConfig,
+};
+
+use serde::{Deserialize, Serialize};
+
+/// Everything that a run is told. [`Config::default`] renders the built-in atrium.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    pub scene: SceneConfig,
+    /// The view; without it the scene's first camera, or one that frames the scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraConfig>,
+    /// Replace the scene's own lights if there are any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub light: Vec<LightConfig>,
+    pub frame: FrameConfig,
+    pub materials: MaterialsConfig,
+    pub rsm: RsmConfig,
+    pub vpls: VplsConfig,
+    pub visibility: VisibilityConfig,
+    pub gather: GatherConfig,
+    pub filter: FilterConfig,
+    pub direct: DirectConfig,
+    pub compose: ComposeConfig,
+    pub output: OutputConfig,
+}

@@ -1,0 +1,206 @@
+//! What no single key can say: keys that exclude or need each other, keyframes in order, lights and cameras that look somewhere.
+
+use super::check::error;
+use super::tree::{Node, Origin, Table, Value};
+use super::{Builtin, CameraConfig, Config, LightConfig, LightKeyframe};
+use anyhow::Result;
+use glam::DVec3;
+
+/// Rules on keys that are there or not, before defaults fill them in.
+pub fn given(root: &Table) -> Result<()> {
+    let section = |name| match root.get(name) {
+        Some(Node { value: Value::Table(table), .. }) => Some(table),
+        _ => None,
+    };
+    if let Some(scene) = section("scene") {
+        if let (Some(file), Some(_)) = (scene.get("file"), scene.get("builtin")) {
+            return Err(error(&file.origin, "scene.file", "excludes scene.builtin; give one of them"));
+        }
+        if let (None, Some(node)) = (scene.get("file"), scene.get("scene")) {
+            return Err(error(&node.origin, "scene.scene", "only a glTF file has scenes to choose from; give scene.file"));
+        }
+        let cornell = matches!(scene.get("builtin"), Some(Node { value: Value::Text(name), .. }) if name == "cornell");
+        for knob in ["triangles", "seed"] {
+            if let (true, Some(node)) = (cornell || scene.contains_key("file"), scene.get(knob)) {
+                return Err(error(&node.origin, &format!("scene.{knob}"), "only the built-in atrium has this knob; remove it"));
+            }
+        }
+    }
+    if let Some(rsm) = section("rsm")
+        && let Some(Node { value: Value::Table(bounds), origin }) = rsm.get("box")
+        && let Some(missing) = ["min", "max"].into_iter().find(|corner| !bounds.contains_key(*corner))
+    {
+        return Err(error(origin, "rsm.box", format_args!("needs {missing}")));
+    }
+    Ok(())
+}
+
+/// Rules on the values, with the tree that they came from to say where.
+pub fn values(config: &Config, root: &Node) -> Result<()> {
+    let fail = |path: String, message: String| Err(error_at(root, &path, message));
+    if let Some(bounds) = config.rsm.bounds
+        && (0..3).any(|axis| bounds.min[axis] >= bounds.max[axis])
+    {
+        return fail("rsm.box".to_owned(), "min must be less than max on every axis".to_owned());
+    }
+    if config.camera.as_ref().is_some_and(|camera| camera.node.is_some()) && config.scene.file.is_none() {
+        let builtin = if config.scene.builtin == Some(Builtin::Cornell) { "cornell" } else { "atrium" };
+        let message = format!("only a glTF file has named cameras, and the scene is the built-in {builtin}; give position and target");
+        return fail("camera.node".to_owned(), message);
+    }
+    if let Some(camera) = &config.camera
+        && let Err((key, message)) = self::camera(camera)
+    {
+        return fail(format!("camera{key}"), message);
+    }
+    for (index, light) in config.light.iter().enumerate() {
+        if let Err((key, message)) = self::light(light) {
+            return fail(format!("light.{index}{key}"), message);
+        }
+    }
+    Ok(())
+}
+
+/// An error at a key of the merged config.
+pub fn error_at(root: &Node, path: &str, message: impl std::fmt::Display) -> anyhow::Error {
+    error(locate(root, path), path, message)
+}
+
+/// Where a key is said, or else the nearest table around it.
+fn locate<'r>(root: &'r Node, path: &str) -> &'r Origin {
+    let mut node = root;
+    for part in path.split('.') {
+        let inner = match &node.value {
+            Value::Table(table) => table.get(part),
+            Value::List(items) => part.parse::<usize>().ok().and_then(|index| items.get(index)),
+            _ => None,
+        };
+        match inner {
+            Some(inner) => node = inner,
+            None => break,
+        }
+    }
+    &node.origin
+}
+
+/// A key below the section, with its dot, and what is wrong.
+type Broken = (String, String);
+
+fn broken<T>(key: impl Into<String>, message: impl Into<String>) -> Result<T, Broken> {
+    Err((key.into(), message.into()))
+}
+
+fn vector(v: [f32; 3]) -> DVec3 {
+    DVec3::from_array(v.map(f64::from))
+}
+
+fn camera(camera: &CameraConfig) -> Result<(), Broken> {
+    let placed = camera.position.is_some() || camera.target.is_some();
+    if camera.node.is_some() {
+        let rivals = [
+            (".position", camera.position.is_some()),
+            (".target", camera.target.is_some()),
+            (".up", camera.up.is_some()),
+            (".keyframes", !camera.keyframes.is_empty()),
+        ];
+        if let Some((key, _)) = rivals.iter().find(|(_, is_given)| *is_given) {
+            return broken(*key, "excludes camera.node; give one of them");
+        }
+    }
+    if placed && !camera.keyframes.is_empty() {
+        return broken(".keyframes", "excludes camera.position and camera.target; make them the first keyframe");
+    }
+    let up = camera.up.unwrap_or([0.0, 1.0, 0.0]);
+    match (camera.position, camera.target) {
+        (Some(position), Some(target)) => view(position, target, up, "")?,
+        (Some(_), None) => return broken(".position", "needs camera.target"),
+        (None, Some(_)) => return broken(".target", "needs camera.position"),
+        (None, None) => {}
+    }
+    rising(camera.keyframes.iter().map(|key| key.time))?;
+    for (index, key) in camera.keyframes.iter().enumerate() {
+        view(key.position, key.target, up, &format!(".keyframes.{index}"))?;
+    }
+    Ok(())
+}
+
+fn view(position: [f32; 3], target: [f32; 3], up: [f32; 3], key: &str) -> Result<(), Broken> {
+    let ahead = vector(target) - vector(position);
+    if ahead == DVec3::ZERO {
+        return broken(format!("{key}.target"), "is the camera's own position; give a point ahead of it");
+    }
+    if ahead.normalize().cross(vector(up).normalize()).length() < 1e-4 {
+        return broken(format!("{key}.target"), "lies straight along camera.up; give another camera.up");
+    }
+    Ok(())
+}
+
+fn rising(times: impl Iterator<Item = f32>) -> Result<(), Broken> {
+    let mut last = None;
+    for (index, time) in times.enumerate() {
+        if let Some(before) = last.filter(|&before| before >= time) {
+            return broken(format!(".keyframes.{index}.time"), format!("{time} is not after the keyframe before it, at {before}"));
+        }
+        last = Some(time);
+    }
+    Ok(())
+}
+
+fn light(light: &LightConfig) -> Result<(), Broken> {
+    match light {
+        LightConfig::Directional { direction, position, target, keyframes, .. } => {
+            aimed(*direction, *target, keyframes)?;
+            if target.is_some() && position.is_none() {
+                return broken(".target", "needs position, where the light comes from; or give direction");
+            }
+            if target.is_none() && position.is_some() {
+                return broken(".position", "a directional light has a position only together with target; remove it");
+            }
+            if let (None, Some(index)) = (target, keyframes.iter().position(|key| key.position.is_some())) {
+                let message = "a directional light has a position only together with target; remove it";
+                return broken(format!(".keyframes.{index}.position"), message);
+            }
+            apart(*position, *target, keyframes)
+        }
+        LightConfig::Spot { position, direction, target, inner_deg, outer_deg, keyframes, .. } => {
+            if let Some(inner) = inner_deg.filter(|inner| inner > outer_deg) {
+                return broken(".inner_deg", format!("{inner} is more than outer_deg, {outer_deg}"));
+            }
+            aimed(*direction, *target, keyframes)?;
+            apart(Some(*position), *target, keyframes)
+        }
+        LightConfig::Point { keyframes, .. } => rising(keyframes.iter().map(|key| key.time)),
+        LightConfig::Environment { .. } => Ok(()),
+    }
+}
+
+/// A light is aimed one way, in its keyframes too.
+fn aimed(direction: Option<[f32; 3]>, target: Option<[f32; 3]>, keyframes: &[LightKeyframe]) -> Result<(), Broken> {
+    match (direction, target) {
+        (Some(_), Some(_)) => return broken(".target", "excludes direction; give one of them"),
+        (None, None) => return broken("", "needs direction or target"),
+        _ => {}
+    }
+    rising(keyframes.iter().map(|key| key.time))?;
+    for (index, key) in keyframes.iter().enumerate() {
+        if direction.is_some() && key.target.is_some() {
+            return broken(format!(".keyframes.{index}.target"), "the light is aimed by direction; give direction here too");
+        }
+        if target.is_some() && key.direction.is_some() {
+            return broken(format!(".keyframes.{index}.direction"), "the light is aimed by target; give target here too");
+        }
+    }
+    Ok(())
+}
+
+/// A light that is aimed at a point is not there itself.
+fn apart(position: Option<[f32; 3]>, target: Option<[f32; 3]>, keyframes: &[LightKeyframe]) -> Result<(), Broken> {
+    let own = "is the light's own position; give a point ahead of it";
+    if target.is_some() && target == position {
+        return broken(".target", own);
+    }
+    match keyframes.iter().position(|key| key.target.is_some() && key.target == key.position) {
+        Some(index) => broken(format!(".keyframes.{index}.target"), own),
+        None => Ok(()),
+    }
+}

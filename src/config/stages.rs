@@ -1,0 +1,260 @@
+//! The sections that set the frame and its slots: one struct a section, one enum a choice of method.
+
+use serde::{Deserialize, Serialize};
+
+/// `[frame]`: how many pictures of which size, and how they are timed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FrameConfig {
+    /// Width and height in pixels, each 1 to 16,384.
+    pub size: [u32; 2],
+    /// Measured frames, 1 and more.
+    pub count: u32,
+    /// Frames before them that are not measured. They show the first frame's time.
+    pub warmup: u32,
+    /// Frames a second of animation time: frame `i` shows the second `i / fps`.
+    pub fps: f32,
+    /// Seed of everything random in a frame.
+    pub seed: u32,
+    pub timing: TimingMode,
+}
+
+impl Default for FrameConfig {
+    fn default() -> Self {
+        Self { size: [960, 540], count: 5, warmup: 2, fps: 30.0, seed: 0, timing: TimingMode::Isolated }
+    }
+}
+
+/// What the time of a pass means.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TimingMode {
+    /// A full barrier around each pass: rows sum to the frame.
+    #[default]
+    Isolated,
+    /// The derived barriers only: passes may overlap.
+    Overlapped,
+    /// Submit and wait for each pass, host clock: a cross-check.
+    Serial,
+}
+
+/// `[materials]`: how surfaces reflect.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MaterialsConfig {
+    pub dielectric: Dielectric,
+}
+
+/// How non-metals reflect.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Dielectric {
+    /// Diffuse only, as in the papers.
+    #[default]
+    Lambert,
+    /// Diffuse under a GGX specular layer.
+    Ggx,
+}
+
+/// `[rsm]`: the reflective shadow maps, one array layer a light.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RsmConfig {
+    /// Width and height in texels, each 1 to 8,192.
+    pub size: [u32; 2],
+    /// What directional lights' frusta are fitted to; the scene's bounds if absent. The key is `box`.
+    #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<BoxConfig>,
+}
+
+impl Default for RsmConfig {
+    fn default() -> Self {
+        Self { size: [512, 512], bounds: None }
+    }
+}
+
+/// An axis-aligned box in the world, metres; `min` is less than `max` on every axis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoxConfig {
+    pub min: [f32; 3],
+    pub max: [f32; 3],
+}
+
+/// `[vpls]`: which texels of the reflective shadow maps become virtual point lights.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct VplsConfig {
+    pub sampler: VplSampler,
+    /// Virtual point lights in all, 1 to 1,048,576.
+    pub count: u32,
+}
+
+impl Default for VplsConfig {
+    fn default() -> Self {
+        Self { sampler: VplSampler::Regular, count: 1024 }
+    }
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum VplSampler {
+    /// A regular pattern over the map, shuffled by a fixed permutation.
+    #[default]
+    Regular,
+}
+
+/// `[visibility]`: what a virtual point light sees.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct VisibilityConfig {
+    pub method: VisibilityMethod,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum VisibilityMethod {
+    /// Everything: indirect light has no shadows.
+    #[default]
+    None,
+}
+
+/// `[gather]`: how the virtual point lights' light is summed at the pixels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct GatherConfig {
+    pub method: GatherMethod,
+    /// Each pixel of a block of this side length sums another subset of the lights: 1, 2, 4 or 8.
+    pub interleave: u32,
+    /// The distance d_min, in metres, below which a light does not get brighter; 0 turns it off. At most 1,000,000.
+    pub min_distance: f32,
+}
+
+impl Default for GatherConfig {
+    fn default() -> Self {
+        Self { method: GatherMethod::PerPixel, interleave: 4, min_distance: 0.3 }
+    }
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GatherMethod {
+    /// Every pixel sums every light of its subset.
+    #[default]
+    PerPixel,
+}
+
+/// `[filter]`: how the indirect irradiance is smoothed over the pixels' subsets.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FilterConfig {
+    pub kind: FilterKind,
+    /// Pixels to each side, 1 to 32; follows `gather.interleave` if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radius: Option<u32>,
+    /// Pixels whose normals differ by more are kept apart; degrees, over 0 to 90.
+    pub normal_threshold_deg: f32,
+    /// Pixels farther than this from the pixel's tangent plane are kept apart; in units of its view depth, over 0.
+    pub plane_distance: f32,
+}
+
+impl Default for FilterConfig {
+    fn default() -> Self {
+        Self { kind: FilterKind::Bilateral, radius: None, normal_threshold_deg: 25.0, plane_distance: 0.02 }
+    }
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FilterKind {
+    /// Separable, depth- and normal-aware.
+    #[default]
+    Bilateral,
+    None,
+}
+
+/// `[direct]`: direct light and its shadows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DirectConfig {
+    pub shadows: Shadows,
+    /// How far a surface is moved towards the light before it is compared, metres, 0 and more.
+    pub bias: f32,
+    /// Filter radius in texels of the shadow map, 0 to 8.
+    pub blur: u32,
+}
+
+impl Default for DirectConfig {
+    fn default() -> Self {
+        Self { shadows: Shadows::Variance, bias: 0.02, blur: 1 }
+    }
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shadows {
+    /// Variance shadow maps.
+    #[default]
+    Variance,
+    /// Several comparisons, averaged.
+    PercentageCloser,
+    None,
+}
+
+/// `[compose]`: from linear radiance to the picture. Touches `image.png` only, never the EXR.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ComposeConfig {
+    /// Multiplies the radiance, over 0.
+    pub exposure: f32,
+    pub tonemap: Tonemap,
+}
+
+impl Default for ComposeConfig {
+    fn default() -> Self {
+        Self { exposure: 1.0, tonemap: Tonemap::Reinhard }
+    }
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Tonemap {
+    #[default]
+    Reinhard,
+    /// Clamps to [0, 1].
+    None,
+}
+
+/// `[output]`: what is written beside the picture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct OutputConfig {
+    /// Layers of the EXR beside the final radiance; each at most once.
+    pub layers: Vec<Layer>,
+}
+
+impl Default for OutputConfig {
+    fn default() -> Self {
+        use Layer::*;
+        Self { layers: vec![Direct, Indirect, Irradiance, Albedo, Normal, Position, Depth] }
+    }
+}
+
+/// A layer of the EXR.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Layer {
+    /// Outgoing radiance of the direct light, albedo included.
+    Direct,
+    /// Outgoing radiance of the indirect light, albedo included.
+    Indirect,
+    /// Indirect irradiance after filtering.
+    Irradiance,
+    Albedo,
+    /// World-space shading normals, `N.X/Y/Z`.
+    Normal,
+    /// World-space positions, `P.X/Y/Z`, metres.
+    Position,
+    /// View depth, `Z`, metres.
+    Depth,
+}

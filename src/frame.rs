@@ -1,0 +1,44 @@
+//! A frame, read aloud.
+
+use crate::config::Config;
+use crate::graph::{Graph, Image};
+use crate::scene::device::DeviceScene;
+use crate::scene::projection::{Projector, View};
+use crate::stages::compose::Composed;
+use crate::stages::gbuffer::GBuffer;
+use crate::stages::{compose, direct, filter, gather, gbuffer, rsm, visibility, vpls};
+use glam::Vec3;
+
+/// What a frame is lit by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lighting {
+    /// The layers of the reflective shadow map; at least one.
+    pub projectors: Vec<Projector>,
+    /// Radiance where the camera sees no surface.
+    pub background: Vec3,
+}
+
+/// What a frame makes.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame {
+    pub gbuffer: GBuffer,
+    /// Indirect irradiance after filtering.
+    pub irradiance: Image,
+    /// Direct light's radiance.
+    pub direct: Image,
+    pub composed: Composed,
+}
+
+/// Many-light global illumination, one slot a line.
+pub fn frame(g: &mut Graph, scene: &DeviceScene, view: &View, lighting: &Lighting, config: &Config) -> Frame {
+    let handles = scene.import(g);
+    let gbuffer = gbuffer::draw(g, scene, handles, view);
+    let rsm = rsm::draw(g, scene, handles, &lighting.projectors, config.rsm.size, config.vpls.count);
+    let vpls = vpls::sample(g, &rsm, &gbuffer, &config.vpls);
+    let visibility = visibility::render(g, &vpls, &config.visibility);
+    let indirect = gather::indirect(g, &gbuffer, &vpls, visibility, &config.gather);
+    let irradiance = filter::smooth(g, &gbuffer, indirect, config.gather.interleave, &config.filter);
+    let direct = direct::shade(g, &gbuffer, &rsm, config.materials.dielectric, &config.direct);
+    let composed = compose::sum(g, &gbuffer, direct, irradiance, lighting.background, &config.compose);
+    Frame { gbuffer, irradiance, direct, composed }
+}

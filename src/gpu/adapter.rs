@@ -1,0 +1,248 @@
+//! The devices of this machine: what each is, and what it can.
+
+use crate::fail;
+use anyhow::Result;
+use ash::vk;
+use std::ffi::CStr;
+use std::fmt;
+
+/// Which device to run on.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum DeviceChoice {
+    /// The fastest kind there is: discrete, integrated, virtual, then a processor.
+    #[default]
+    Best,
+    /// A software driver.
+    Cpu,
+    /// By its place in `manylight list`.
+    Index(usize),
+    /// The first whose name holds this, letter case aside.
+    Name(String),
+}
+
+impl DeviceChoice {
+    /// `cpu`, a number, or part of a name.
+    pub fn parse(text: &str) -> Self {
+        match text.parse() {
+            _ if text.eq_ignore_ascii_case("cpu") => Self::Cpu,
+            Ok(index) => Self::Index(index),
+            Err(_) => Self::Name(text.into()),
+        }
+    }
+}
+
+/// What a method may need beyond Vulkan 1.3's core.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Feature {
+    Vulkan13,
+    PushDescriptors,
+    ScalarBlockLayout,
+    MultiDrawIndirect,
+    ShaderDrawParameters,
+    LayerFromVertexShader,
+    /// Linear filtering of R32G32_SFLOAT.
+    FilteredRg32Float,
+    /// R16G16_SNORM as a colour attachment.
+    Snorm16Attachment,
+    /// Timestamps on the queue that runs graphics and compute.
+    Timestamps,
+}
+
+impl Feature {
+    pub const ALL: [Self; 9] = [
+        Self::Vulkan13,
+        Self::PushDescriptors,
+        Self::ScalarBlockLayout,
+        Self::MultiDrawIndirect,
+        Self::ShaderDrawParameters,
+        Self::LayerFromVertexShader,
+        Self::FilteredRg32Float,
+        Self::Snorm16Attachment,
+        Self::Timestamps,
+    ];
+    /// Without these no slot works.
+    pub const ESSENTIAL: [Self; 3] = [Self::Vulkan13, Self::PushDescriptors, Self::ScalarBlockLayout];
+}
+
+impl fmt::Display for Feature {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Vulkan13 => "Vulkan 1.3 with dynamic rendering and synchronization2",
+            Self::PushDescriptors => "VK_KHR_push_descriptor with 32 descriptors",
+            Self::ScalarBlockLayout => "scalarBlockLayout",
+            Self::MultiDrawIndirect => "multiDrawIndirect with drawIndirectFirstInstance",
+            Self::ShaderDrawParameters => "shaderDrawParameters",
+            Self::LayerFromVertexShader => "shaderOutputLayer",
+            Self::FilteredRg32Float => "linear filtering of R32G32_SFLOAT",
+            Self::Snorm16Attachment => "R16G16_SNORM colour attachments",
+            Self::Timestamps => "timestamp queries",
+        })
+    }
+}
+
+/// A device as the loader lists it.
+#[derive(Debug, Clone)]
+pub struct Adapter {
+    pub(super) handle: vk::PhysicalDevice,
+    pub(super) queue_family: Option<u32>,
+    pub name: String,
+    /// The driver and its version, as they call themselves.
+    pub driver: String,
+    /// A software driver.
+    pub is_cpu: bool,
+    rank: u32,
+    /// Vulkan version of the device: major, minor, patch.
+    pub version: [u32; 3],
+    pub features: Vec<Feature>,
+    pub limits: Limits,
+}
+
+/// Limits that scenes and configs are held against.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Limits {
+    pub image_size: u32,
+    pub image_layers: u32,
+    pub storage_buffer_bytes: u64,
+    pub buffer_bytes: u64,
+    pub draw_indirect_count: u32,
+    pub framebuffer_size: [u32; 2],
+    pub framebuffer_layers: u32,
+    /// Of the largest device-local heap.
+    pub heap_bytes: u64,
+    pub push_constant_bytes: u32,
+    /// Nanoseconds of a timestamp's unit.
+    pub timestamp_period: f32,
+}
+
+impl Adapter {
+    pub fn has(&self, feature: Feature) -> bool {
+        self.features.contains(&feature)
+    }
+
+    /// Those of `needed` that it lacks.
+    pub fn missing(&self, needed: &[Feature]) -> Vec<Feature> {
+        needed.iter().copied().filter(|feature| !self.has(*feature)).collect()
+    }
+
+    /// "cpu" or "gpu": the label of its figures.
+    pub fn kind(&self) -> &'static str {
+        if self.is_cpu { "cpu" } else { "gpu" }
+    }
+
+    pub(super) fn query(instance: &ash::Instance, handle: vk::PhysicalDevice) -> Result<Self> {
+        let basic = unsafe { instance.get_physical_device_properties(handle) };
+        let version = basic.api_version;
+        let extensions = unsafe { instance.enumerate_device_extension_properties(handle) }.unwrap_or_default();
+        let has_extension = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
+        let families = unsafe { instance.get_physical_device_queue_family_properties(handle) };
+        let wanted = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
+        let queue_family = families.iter().position(|family| family.queue_flags.contains(wanted)).map(|i| i as u32);
+        let timestamp_bits = queue_family.map_or(0, |i| families[i as usize].timestamp_valid_bits);
+
+        let modern = version >= vk::API_VERSION_1_3;
+        let (mut driver, mut max_buffer) = (String::new(), u64::from(u32::MAX));
+        let mut features = Vec::new();
+        if version >= vk::API_VERSION_1_2 {
+            let mut driver_properties = vk::PhysicalDeviceDriverProperties::default();
+            let mut push = vk::PhysicalDevicePushDescriptorPropertiesKHR::default();
+            let mut maintenance4 = vk::PhysicalDeviceMaintenance4Properties::default();
+            let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver_properties).push_next(&mut push);
+            if modern {
+                properties = properties.push_next(&mut maintenance4);
+            }
+            unsafe { instance.get_physical_device_properties2(handle, &mut properties) };
+            driver = format!("{} {}", text(&driver_properties.driver_name), text(&driver_properties.driver_info)).trim().to_owned();
+            let max_push_descriptors = push.max_push_descriptors;
+            max_buffer = if modern { maintenance4.max_buffer_size } else { max_buffer };
+
+            let mut v11 = vk::PhysicalDeviceVulkan11Features::default();
+            let mut v12 = vk::PhysicalDeviceVulkan12Features::default();
+            let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
+            let mut all = vk::PhysicalDeviceFeatures2::default().push_next(&mut v11).push_next(&mut v12);
+            if modern {
+                all = all.push_next(&mut v13);
+            }
+            unsafe { instance.get_physical_device_features2(handle, &mut all) };
+            let core = all.features;
+            let format = |format| unsafe { instance.get_physical_device_format_properties(handle, format) }.optimal_tiling_features;
+            let filtered = format(vk::Format::R32G32_SFLOAT).contains(vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR);
+            let snorm = format(vk::Format::R16G16_SNORM).contains(vk::FormatFeatureFlags::COLOR_ATTACHMENT);
+            let on = vk::TRUE;
+            features.extend(Feature::ALL.into_iter().filter(|feature| match feature {
+                Feature::Vulkan13 => modern && [v13.dynamic_rendering, v13.synchronization2, v13.maintenance4] == [on; 3],
+                Feature::PushDescriptors => has_extension(ash::khr::push_descriptor::NAME) && max_push_descriptors >= 32,
+                Feature::ScalarBlockLayout => v12.scalar_block_layout == on,
+                Feature::MultiDrawIndirect => [core.multi_draw_indirect, core.draw_indirect_first_instance] == [on; 2],
+                Feature::ShaderDrawParameters => v11.shader_draw_parameters == on,
+                Feature::LayerFromVertexShader => v12.shader_output_layer == on,
+                Feature::FilteredRg32Float => filtered,
+                Feature::Snorm16Attachment => snorm,
+                Feature::Timestamps => timestamp_bits > 0,
+            }));
+        }
+        let memory = unsafe { instance.get_physical_device_memory_properties(handle) };
+        let heap_bytes = memory.memory_heaps_as_slice().iter().filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL));
+        let rank = match basic.device_type {
+            vk::PhysicalDeviceType::DISCRETE_GPU => 0,
+            vk::PhysicalDeviceType::INTEGRATED_GPU => 1,
+            vk::PhysicalDeviceType::VIRTUAL_GPU => 2,
+            vk::PhysicalDeviceType::CPU => 3,
+            _ => 4,
+        };
+        Ok(Self {
+            handle,
+            queue_family,
+            name: text(&basic.device_name),
+            driver,
+            is_cpu: basic.device_type == vk::PhysicalDeviceType::CPU,
+            rank,
+            version: [vk::api_version_major(version), vk::api_version_minor(version), vk::api_version_patch(version)],
+            features,
+            limits: Limits {
+                image_size: basic.limits.max_image_dimension2_d,
+                image_layers: basic.limits.max_image_array_layers,
+                storage_buffer_bytes: u64::from(basic.limits.max_storage_buffer_range),
+                buffer_bytes: max_buffer,
+                draw_indirect_count: basic.limits.max_draw_indirect_count,
+                framebuffer_size: [basic.limits.max_framebuffer_width, basic.limits.max_framebuffer_height],
+                framebuffer_layers: basic.limits.max_framebuffer_layers,
+                heap_bytes: heap_bytes.map(|heap| heap.size).max().unwrap_or(0),
+                push_constant_bytes: basic.limits.max_push_constants_size,
+                timestamp_period: basic.limits.timestamp_period,
+            },
+        })
+    }
+}
+
+fn text(chars: &[std::ffi::c_char]) -> String {
+    let bytes: Vec<u8> = chars.iter().take_while(|c| **c != 0).map(|c| *c as u8).collect();
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+/// Picks a device that can run the engine at all; the error names what there is and what is missing.
+pub(super) fn choose(adapters: &[Adapter], choice: &DeviceChoice) -> Result<Adapter> {
+    let mut order: Vec<&Adapter> = adapters.iter().collect();
+    order.sort_by_key(|adapter| adapter.rank);
+    let found = match choice {
+        DeviceChoice::Best => order.iter().find(|adapter| adapter.missing(&Feature::ESSENTIAL).is_empty()).or(order.first()).copied(),
+        DeviceChoice::Cpu => adapters.iter().find(|adapter| adapter.is_cpu),
+        DeviceChoice::Index(index) => adapters.get(*index),
+        DeviceChoice::Name(name) => adapters.iter().find(|adapter| adapter.name.to_lowercase().contains(&name.to_lowercase())),
+    };
+    let names = || adapters.iter().enumerate().map(|(i, adapter)| format!("{i}: {}", adapter.name)).collect::<Vec<_>>().join(", ");
+    let Some(adapter) = found else {
+        if adapters.is_empty() {
+            return Err(fail!(NoDevice, "no Vulkan device was found; on Debian or Ubuntu, `apt install mesa-vulkan-drivers` brings a software driver"));
+        }
+        return Err(match choice {
+            DeviceChoice::Cpu => fail!(NoDevice, "no software Vulkan driver was found (there is {}); on Debian or Ubuntu, `apt install mesa-vulkan-drivers` brings one", names()),
+            _ => fail!(NoDevice, "no Vulkan device answers to that choice; there is {}", names()),
+        });
+    };
+    let missing = adapter.missing(&Feature::ESSENTIAL);
+    if !missing.is_empty() || adapter.queue_family.is_none() {
+        let list = missing.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+        return Err(fail!(NoDevice, "{} lacks {list}; choose another device with --device ({})", adapter.name, names()));
+    }
+    Ok(adapter.clone())
+}

@@ -1,0 +1,27 @@
+//! Injected errors. The environment variable `MANYLIGHT_FAULT` holds `device-lost:PASS` or `out-of-memory:NAME`, where NAME is
+//! a pass's or a resource's name; the error is then returned where the driver would return it.
+
+use anyhow::{Result, bail};
+
+/// The variable's name.
+pub const VARIABLE: &str = "MANYLIGHT_FAULT";
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Fault {
+    /// Submitting work that holds this pass loses the device.
+    DeviceLost { pass: String },
+    /// Making this image or buffer runs out of device memory.
+    OutOfMemory { resource: String },
+}
+
+impl Fault {
+    /// Reads the environment.
+    pub fn from_environment() -> Result<Option<Self>> {
+        let Ok(text) = std::env::var(VARIABLE) else { return Ok(None) };
+        match text.split_once(':') {
+            Some(("device-lost", pass)) => Ok(Some(Self::DeviceLost { pass: pass.into() })),
+            Some(("out-of-memory", resource)) => Ok(Some(Self::OutOfMemory { resource: resource.into() })),
+            _ => bail!("{VARIABLE}={text}: expected device-lost:PASS or out-of-memory:RESOURCE"),
+        }
+    }
+}

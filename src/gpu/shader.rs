@@ -1,0 +1,193 @@
+//! A compiled shader and what reflection says of it: names, kinds, access, and the layout of its blocks.
+
+use anyhow::{Context, Result, bail};
+use spirq::prelude::*;
+use spirq::ty::{AccessType, DescriptorType, Type};
+use std::collections::HashMap;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ShaderStage {
+    Vertex,
+    Fragment,
+    Compute,
+}
+
+/// SPIR-V with its interface. Resources go by the names that the GLSL gives them.
+#[derive(Debug, Clone)]
+pub struct Shader {
+    /// Path below the shader folder, for messages.
+    pub name: String,
+    pub stage: ShaderStage,
+    pub(super) words: Vec<u32>,
+    pub bindings: Vec<Binding>,
+    /// The push-constant block's members and size in bytes.
+    pub push_constants: Option<Block>,
+    /// Specialization constants: name and id.
+    pub constants: Vec<(String, u32)>,
+    /// Inputs of a vertex shader or outputs of a fragment shader: name and location.
+    pub inputs: Vec<(String, u32)>,
+    pub outputs: Vec<(String, u32)>,
+    /// Of a compute shader: the value, and the specialization constant that sets it.
+    local_size: [(u32, Option<u32>); 3],
+}
+
+/// A resource that a shader uses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Binding {
+    pub name: String,
+    pub kind: BindingKind,
+    pub access: ShaderAccess,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum BindingKind {
+    UniformBlock(Block),
+    StorageBlock(Block),
+    /// Image with sampler.
+    Sampled {
+        array: bool,
+    },
+    StorageImage {
+        array: bool,
+    },
+}
+
+/// How the shader's qualifiers let it access a resource.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShaderAccess {
+    Read,
+    Write,
+    ReadWrite,
+}
+
+/// The layout of a block. Where a block is one runtime array of structs, its members are the struct's.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Block {
+    pub members: Vec<BlockMember>,
+    /// Of the runtime array, bytes.
+    pub stride: Option<usize>,
+}
+
+/// A member of a block or of its array's struct; sizes in bytes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BlockMember {
+    pub name: String,
+    pub offset: usize,
+    pub bytes: usize,
+}
+
+impl Shader {
+    /// Reflects SPIR-V; it must have been compiled with its names.
+    pub fn new(name: &str, stage: ShaderStage, words: Vec<u32>) -> Result<Self> {
+        let entry_points = ReflectConfig::new()
+            .spv(words.clone())
+            .ref_all_rscs(false)
+            .combine_img_samplers(false)
+            .reflect()
+            .with_context(|| format!("glsl/{name}: reflection failed"))?;
+        let Some(entry) = entry_points.into_iter().next() else { bail!("glsl/{name}: has no entry point") };
+        let mut shader = Self {
+            name: name.into(),
+            stage,
+            words,
+            bindings: Vec::new(),
+            push_constants: None,
+            constants: Vec::new(),
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            local_size: [(1, None); 3],
+        };
+        for variable in entry.vars {
+            match variable {
+                Variable::Descriptor { name: resource, desc_ty, ty, nbind, .. } => {
+                    let resource = resource.unwrap_or_default();
+                    if nbind != 1 {
+                        bail!("glsl/{name}: {resource} is an array of bindings, which not every driver can index");
+                    }
+                    shader.bindings.push(binding(name, resource, &desc_ty, &ty)?);
+                }
+                Variable::PushConstant { ty, .. } => shader.push_constants = Some(block(&ty)),
+                Variable::SpecConstant { name, spec_id, .. } => shader.constants.push((name.unwrap_or_default(), spec_id)),
+                Variable::Input { name: Some(input), location, .. } => shader.inputs.push((input, location.loc())),
+                Variable::Output { name: Some(output), location, .. } => shader.outputs.push((output, location.loc())),
+                _ => {}
+            }
+        }
+        shader.bindings.sort_by(|a, b| a.name.cmp(&b.name));
+        for mode in &entry.exec_modes {
+            if matches!(mode.exec_mode, spirq::spirv::ExecutionMode::LocalSize | spirq::spirv::ExecutionMode::LocalSizeId) {
+                for (axis, operand) in mode.operands.iter().take(3).enumerate() {
+                    let value = operand.value.to_u32().with_context(|| format!("glsl/{name}: local size"))?;
+                    shader.local_size[axis] = (value as u32, operand.spec_id);
+                }
+            }
+        }
+        Ok(shader)
+    }
+
+    /// The workgroup's size under these specialization constants (id and value).
+    pub fn local_size(&self, constants: &[(u32, u32)]) -> [u32; 3] {
+        self.local_size.map(|(value, id)| constants.iter().find(|(c, _)| Some(*c) == id).map_or(value, |(_, v)| *v))
+    }
+
+    /// The words with each resource's binding number set from its name.
+    pub(super) fn words_bound(&self, numbers: &HashMap<&str, u32>) -> Vec<u32> {
+        const OP_NAME: u32 = 5;
+        const OP_DECORATE: u32 = 71;
+        const DECORATION_BINDING: u32 = 33;
+        let mut words = self.words.clone();
+        let mut names: HashMap<u32, String> = HashMap::new();
+        let mut at = 5;
+        while at < words.len() {
+            let (opcode, count) = (words[at] & 0xffff, (words[at] >> 16) as usize);
+            if opcode == OP_NAME {
+                let bytes: Vec<u8> = words[at + 2..at + count].iter().flat_map(|w| w.to_le_bytes()).take_while(|b| *b != 0).collect();
+                names.insert(words[at + 1], String::from_utf8_lossy(&bytes).into_owned());
+            }
+            if opcode == OP_DECORATE && words[at + 2] == DECORATION_BINDING {
+                let number = names.get(&words[at + 1]).and_then(|name| numbers.get(name.as_str()));
+                // A resource that is declared and never used keeps its number out of the way.
+                words[at + 3] = number.copied().unwrap_or(u32::from(u16::MAX));
+            }
+            at += count.max(1);
+        }
+        words
+    }
+}
+
+fn binding(shader: &str, name: String, kind: &DescriptorType, ty: &Type) -> Result<Binding> {
+    let access = |access: &AccessType| match access {
+        AccessType::ReadOnly => ShaderAccess::Read,
+        AccessType::WriteOnly => ShaderAccess::Write,
+        AccessType::ReadWrite => ShaderAccess::ReadWrite,
+    };
+    let (kind, access) = match (kind, ty) {
+        (DescriptorType::UniformBuffer(), _) => (BindingKind::UniformBlock(block(ty)), ShaderAccess::Read),
+        (DescriptorType::StorageBuffer(a), _) => (BindingKind::StorageBlock(block(ty)), access(a)),
+        (DescriptorType::CombinedImageSampler(), Type::CombinedImageSampler(image)) => {
+            (BindingKind::Sampled { array: image.sampled_image_ty.is_array }, ShaderAccess::Read)
+        }
+        (DescriptorType::StorageImage(a), Type::StorageImage(image)) => (BindingKind::StorageImage { array: image.is_array }, access(a)),
+        _ => bail!("glsl/{shader}: {name} is of a kind that passes do not bind: {kind:?}"),
+    };
+    Ok(Binding { name, kind, access })
+}
+
+fn block(ty: &Type) -> Block {
+    let members = |ty: &Type| match ty {
+        Type::Struct(s) => s
+            .members
+            .iter()
+            .map(|m| BlockMember { name: m.name.clone().unwrap_or_default(), offset: m.offset.unwrap_or(0), bytes: m.ty.nbyte().unwrap_or(0) })
+            .collect(),
+        _ => Vec::new(),
+    };
+    if let Type::Struct(s) = ty
+        && let [only] = s.members.as_slice()
+        && let Type::Array(array) = &only.ty
+        && array.nelement.is_none()
+    {
+        return Block { members: members(&array.element_ty), stride: array.stride };
+    }
+    Block { members: members(ty), stride: None }
+}

@@ -1,0 +1,119 @@
+//! Plain values that the graph and the recorder speak.
+
+use super::memory::{BufferId, ImageId};
+use ash::vk;
+
+bitflags::bitflags! {
+    /// Pipeline stages, as coarse as hazards in this engine are.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub struct Stages: u32 {
+        /// Indirect draw arguments.
+        const INDIRECT = 1;
+        /// Vertex, tessellation and geometry shaders.
+        const PRE_RASTER = 2;
+        const FRAGMENT = 4;
+        /// Colour and depth attachments.
+        const ATTACHMENT = 8;
+        const COMPUTE = 16;
+        const TRANSFER = 32;
+    }
+}
+
+bitflags::bitflags! {
+    /// Kinds of memory access.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub struct Accesses: u32 {
+        const INDIRECT_READ = 1;
+        const SHADER_READ = 2;
+        const SHADER_WRITE = 4;
+        const ATTACHMENT_READ = 8;
+        const ATTACHMENT_WRITE = 16;
+        const TRANSFER_READ = 32;
+        const TRANSFER_WRITE = 64;
+    }
+}
+
+impl Accesses {
+    /// Those that write.
+    pub const WRITES: Self = Self::SHADER_WRITE.union(Self::ATTACHMENT_WRITE).union(Self::TRANSFER_WRITE);
+}
+
+/// One global memory barrier.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Barrier {
+    pub from: Stages,
+    /// Writes to make available; empty where only execution is ordered.
+    pub written: Accesses,
+    pub to: Stages,
+    /// Accesses to make the writes visible to.
+    pub needed: Accesses,
+}
+
+impl Barrier {
+    /// Everything before is done and visible to everything after.
+    pub const FULL: Self = Self { from: Stages::all(), written: Accesses::WRITES, to: Stages::all(), needed: Accesses::all() };
+}
+
+/// How a texture is addressed outside [0, 1].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Wrapping {
+    Repeat,
+    MirroredRepeat,
+    ClampToEdge,
+}
+
+/// How an image is looked up; made once and kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Sampler {
+    /// The nearest texel, edges clamped.
+    Nearest,
+    /// Bilinear, edges clamped.
+    Linear,
+    /// A material's texture: trilinear or nearest, with its own wrapping.
+    Material { u: Wrapping, v: Wrapping, linear: bool },
+}
+
+/// What is bound to a shader's binding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bound {
+    UniformBuffer(BufferId),
+    StorageBuffer(BufferId),
+    /// All mips; all layers where `array`, else the first.
+    SampledImage {
+        image: ImageId,
+        array: bool,
+        sampler: Sampler,
+    },
+    /// Mip 0; all layers where `array`, else the first.
+    StorageImage {
+        image: ImageId,
+        array: bool,
+    },
+}
+
+pub(super) fn stages(stages: Stages) -> vk::PipelineStageFlags2 {
+    use vk::PipelineStageFlags2 as Vk;
+    let table = [
+        (Stages::INDIRECT, Vk::DRAW_INDIRECT),
+        (Stages::PRE_RASTER, Vk::PRE_RASTERIZATION_SHADERS),
+        (Stages::FRAGMENT, Vk::FRAGMENT_SHADER),
+        (Stages::ATTACHMENT, Vk::COLOR_ATTACHMENT_OUTPUT | Vk::EARLY_FRAGMENT_TESTS | Vk::LATE_FRAGMENT_TESTS),
+        (Stages::COMPUTE, Vk::COMPUTE_SHADER),
+        (Stages::TRANSFER, Vk::ALL_TRANSFER),
+    ];
+    table.into_iter().filter(|(ours, _)| stages.contains(*ours)).fold(Vk::NONE, |all, (_, theirs)| all | theirs)
+}
+
+pub(super) fn accesses(accesses: Accesses) -> vk::AccessFlags2 {
+    use vk::AccessFlags2 as Vk;
+    let table = [
+        (Accesses::INDIRECT_READ, Vk::INDIRECT_COMMAND_READ),
+        (Accesses::SHADER_READ, Vk::SHADER_READ | Vk::UNIFORM_READ),
+        (Accesses::SHADER_WRITE, Vk::SHADER_WRITE),
+        (Accesses::ATTACHMENT_READ, Vk::COLOR_ATTACHMENT_READ | Vk::DEPTH_STENCIL_ATTACHMENT_READ),
+        (Accesses::ATTACHMENT_WRITE, Vk::COLOR_ATTACHMENT_WRITE | Vk::DEPTH_STENCIL_ATTACHMENT_WRITE),
+        (Accesses::TRANSFER_READ, Vk::TRANSFER_READ),
+        (Accesses::TRANSFER_WRITE, Vk::TRANSFER_WRITE),
+    ];
+    table.into_iter().filter(|(ours, _)| accesses.contains(*ours)).fold(Vk::NONE, |all, (_, theirs)| all | theirs)
+}

@@ -1,0 +1,109 @@
+//! Holds what a pass declares against what its shaders do.
+
+use super::pass::{DrawList, Pass, Use, Work};
+use super::{Graph, Resource, Source};
+use crate::gpu::{Binding, BindingKind, Block, ShaderAccess};
+use anyhow::{Context, Result, bail};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+
+fn verb(access: ShaderAccess) -> &'static str {
+    match access {
+        ShaderAccess::Read => "Read",
+        ShaderAccess::Write => "Write",
+        ShaderAccess::ReadWrite => "ReadWrite",
+    }
+}
+
+/// Compares a pass with the bindings of one of its pipelines.
+pub(super) fn bindings(graph: &Graph, pass: &Pass, list: Option<&DrawList>, bindings: &BTreeMap<String, (u32, Binding)>) -> Result<()> {
+    for used in &pass.uses {
+        let Some((_, binding)) = bindings.get(used.binding) else {
+            bail!("pass {}: {:?} is declared {}, the shader does not use it", pass.name, used.binding, verb(used.access));
+        };
+        if used.access != binding.access {
+            bail!("pass {}: {:?} declared {}, shader does {}", pass.name, used.binding, verb(used.access), verb(binding.access));
+        }
+        kind(graph, used, binding).with_context(|| format!("pass {}: {:?}", pass.name, used.binding))?;
+    }
+    for name in bindings.keys() {
+        let declared = pass.uses.iter().any(|used| used.binding == name);
+        let textured = list.is_some_and(|list| list.textures.iter().any(|(binding, ..)| binding == name));
+        if !declared && !textured {
+            bail!("pass {}: the shader uses {name:?}, the pass does not declare it", pass.name);
+        }
+    }
+    Ok(())
+}
+
+fn kind(graph: &Graph, used: &Use, binding: &Binding) -> Result<()> {
+    match (&binding.kind, used.resource) {
+        (BindingKind::UniformBlock(block) | BindingKind::StorageBlock(block), Resource::Buffer(buffer)) => {
+            match graph.slots[buffer.index as usize].element {
+                Some(element) => element.check(block),
+                None => Ok(()),
+            }
+        }
+        (BindingKind::Sampled { array } | BindingKind::StorageImage { array }, Resource::Image(image)) => {
+            if image.layers > 1 && !array {
+                bail!("{} has {} layers, the shader sees one", graph.name(used.resource), image.layers);
+            }
+            Ok(())
+        }
+        (_, resource) => bail!("{} is {}, the shader has the other kind", graph.name(resource), if matches!(resource, Resource::Image(_)) { "an image" } else { "a buffer" }),
+    }
+}
+
+/// Compares push constants.
+pub(super) fn params(pass: &Pass, blocks: &[Option<&Block>]) -> Result<()> {
+    let block = blocks.iter().flatten().next();
+    match (&pass.params, block) {
+        (Some((element, _)), Some(block)) => element.check(block).with_context(|| format!("pass {}: params", pass.name)),
+        (Some(_), None) => bail!("pass {}: params are given, the shader has none", pass.name),
+        (None, Some(_)) => bail!("pass {}: the shader has params, none are given", pass.name),
+        (None, None) => Ok(()),
+    }
+}
+
+/// The order of things: names are unique, nothing is read before it is written, imports are only read, and no pass uses a
+/// resource in two ways.
+pub(super) fn order(graph: &Graph) -> Result<()> {
+    let mut names = HashSet::new();
+    let mut written: BTreeSet<usize> =
+        (0..graph.slots.len()).filter(|i| !matches!(graph.slots[*i].source, Source::Transient)).collect();
+    for pass in &graph.passes {
+        if !names.insert(pass.name) {
+            bail!("pass {}: two passes of a frame have this name", pass.name);
+        }
+        let writes = pass.written();
+        for used in pass.uses.iter().filter(|used| used.access != ShaderAccess::Write) {
+            if !written.contains(&used.resource.index()) {
+                bail!("pass {}: reads {} before any pass writes it", pass.name, graph.name(used.resource));
+            }
+        }
+        for resource in &writes {
+            if matches!(graph.slots[resource.index()].source, Source::ImportedBuffer(_) | Source::ImportedImage(_)) {
+                bail!("pass {}: writes {}, which is not the frame's own", pass.name, graph.name(*resource));
+            }
+            let uses = pass.uses.iter().filter(|used| used.resource.index() == resource.index()).count();
+            let targets = writes.iter().filter(|other| other.index() == resource.index()).count();
+            if uses > 1 || targets > 1 || (uses == 1 && matches!(pass.work, Work::Raster { .. }) && is_target(pass, *resource)) {
+                bail!("pass {}: uses {} in two ways at once", pass.name, graph.name(*resource));
+            }
+        }
+        if let Work::Raster { draws, .. } = &pass.work {
+            for list in draws {
+                if !written.contains(&list.arguments.index.try_into().unwrap_or(usize::MAX)) {
+                    bail!("pass {}: its draw arguments are read before any pass writes them", pass.name);
+                }
+            }
+        }
+        written.extend(writes.iter().map(|resource| resource.index()));
+    }
+    Ok(())
+}
+
+fn is_target(pass: &Pass, resource: Resource) -> bool {
+    let Work::Raster { color, depth, .. } = &pass.work else { return false };
+    color.iter().any(|target| target.image.index as usize == resource.index())
+        || depth.iter().any(|(image, _)| image.index as usize == resource.index())
+}

@@ -1,0 +1,179 @@
+//! The frame graph: a frame is a list of passes in the order in which they run, declared by the names that their shaders use.
+//!
+//! A [`Graph`] is plain data, built anew each frame without a device. [`Engine::execute`] then holds every declaration against
+//! the shaders' reflection, takes resources from a pool, puts the barriers of [`plan`] between the passes, records, submits
+//! and times them. Nothing is reordered, merged or aliased: what was written is there to look at.
+
+mod check;
+mod engine;
+mod library;
+mod pass;
+pub mod plan;
+mod pool;
+mod shader_struct;
+
+pub use engine::{Dump, DumpData, Engine, Execution, FrameOutcome, Timing};
+pub use library::Library;
+pub use pass::{ComputePass, DrawList, Extent, RasterPass};
+pub use shader_struct::{Member, ShaderStruct};
+
+use crate::gpu::{BufferId, Format, ImageId};
+use pass::Pass;
+
+/// An image of the frame: a handle, with what it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Image {
+    index: u32,
+    pub format: Format,
+    pub size: [u32; 2],
+    pub layers: u32,
+}
+
+/// A buffer of the frame: an array of `count` elements.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Buffer {
+    index: u32,
+    pub count: u32,
+}
+
+/// Either kind, where a pass takes both.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Resource {
+    Image(Image),
+    Buffer(Buffer),
+}
+
+impl From<Image> for Resource {
+    fn from(image: Image) -> Self {
+        Self::Image(image)
+    }
+}
+
+impl From<Buffer> for Resource {
+    fn from(buffer: Buffer) -> Self {
+        Self::Buffer(buffer)
+    }
+}
+
+impl Resource {
+    fn index(self) -> usize {
+        match self {
+            Self::Image(image) => image.index as usize,
+            Self::Buffer(buffer) => buffer.index as usize,
+        }
+    }
+}
+
+/// The elements of a buffer, as the shaders must declare them.
+#[derive(Debug, Clone, Copy)]
+struct Element {
+    name: &'static str,
+    members: &'static [Member],
+    bytes: usize,
+}
+
+#[derive(Debug, Clone)]
+enum Source {
+    /// From the pool, undefined when the frame begins.
+    Transient,
+    /// Filled by the host before the frame begins.
+    Uploaded(Vec<u8>),
+    ImportedBuffer(BufferId),
+    ImportedImage(ImageId),
+}
+
+#[derive(Debug, Clone)]
+struct Slot {
+    name: String,
+    resource: Resource,
+    element: Option<Element>,
+    source: Source,
+}
+
+/// A frame being described. See the module's page.
+#[derive(Debug, Default)]
+pub struct Graph {
+    slots: Vec<Slot>,
+    passes: Vec<Pass>,
+    read_backs: Vec<Resource>,
+}
+
+/// A resource that the host gets after the frame; see [`FrameOutcome::bytes`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ReadBack(usize);
+
+impl Graph {
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    fn add(&mut self, name: &str, resource: Resource, element: Option<Element>, source: Source) {
+        self.slots.push(Slot { name: name.into(), resource, element, source });
+    }
+
+    /// An image that some pass writes before others read it.
+    pub fn image(&mut self, name: &str, format: Format, size: [u32; 2]) -> Image {
+        self.layered_image(name, format, size, 1)
+    }
+
+    /// An image of several layers.
+    pub fn layered_image(&mut self, name: &str, format: Format, size: [u32; 2], layers: u32) -> Image {
+        let image = Image { index: self.slots.len() as u32, format, size, layers };
+        self.add(name, image.into(), None, Source::Transient);
+        image
+    }
+
+    /// A buffer of `count` structs that some pass writes before others read it.
+    pub fn buffer<T: ShaderStruct>(&mut self, name: &str, count: u32) -> Buffer {
+        let buffer = Buffer { index: self.slots.len() as u32, count };
+        self.add(name, buffer.into(), Some(Element::of::<T>()), Source::Transient);
+        buffer
+    }
+
+    /// A buffer that holds `elements` when the frame begins.
+    pub fn upload<T: ShaderStruct>(&mut self, name: &str, elements: &[T]) -> Buffer {
+        let buffer = Buffer { index: self.slots.len() as u32, count: elements.len() as u32 };
+        let bytes = bytemuck::cast_slice(elements).to_vec();
+        self.add(name, buffer.into(), Some(Element::of::<T>()), Source::Uploaded(bytes));
+        buffer
+    }
+
+    /// A buffer that outlives the frame; passes may only read it.
+    pub fn import_buffer<T: ShaderStruct>(&mut self, name: &str, id: BufferId, count: u32) -> Buffer {
+        let buffer = Buffer { index: self.slots.len() as u32, count };
+        self.add(name, buffer.into(), Some(Element::of::<T>()), Source::ImportedBuffer(id));
+        buffer
+    }
+
+    /// An image that outlives the frame; passes may only read it.
+    pub fn import_image(&mut self, name: &str, id: ImageId, format: Format, size: [u32; 2], layers: u32) -> Image {
+        let image = Image { index: self.slots.len() as u32, format, size, layers };
+        self.add(name, image.into(), None, Source::ImportedImage(id));
+        image
+    }
+
+    /// Brings a resource back to the host once the frame is done.
+    pub fn read_back(&mut self, resource: impl Into<Resource>) -> ReadBack {
+        self.read_backs.push(resource.into());
+        ReadBack(self.read_backs.len() - 1)
+    }
+
+    /// Begins a compute pass. Its name is its label, its row of timings, and its shader: `glsl/<name>.comp`.
+    pub fn compute(&mut self, name: &'static str) -> ComputePass<'_> {
+        ComputePass::new(self, name)
+    }
+
+    /// Begins a raster pass over the whole of its attachments. Its shaders are `glsl/<name>.vert` and `glsl/<name>.frag`.
+    pub fn raster(&mut self, name: &'static str) -> RasterPass<'_> {
+        RasterPass::new(self, name)
+    }
+
+    /// The passes' names, in order.
+    pub fn pass_names(&self) -> impl Iterator<Item = &'static str> {
+        self.passes.iter().map(|pass| pass.name)
+    }
+
+    fn name(&self, resource: Resource) -> &str {
+        &self.slots[resource.index()].name
+    }
+}

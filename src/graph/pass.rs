@@ -1,0 +1,218 @@
+//! Passes and the sentences that declare them.
+
+use super::{Buffer, Element, Graph, Image, Resource, ShaderStruct};
+use crate::gpu::{BufferId, ImageId, Load, Sampler, ShaderAccess};
+
+/// How many invocations or workgroups a dispatch has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Extent {
+    /// At least so many invocations: the workgroup's size comes from the shader.
+    Invocations([u32; 3]),
+    Groups([u32; 3]),
+}
+
+/// A binding's declared use.
+#[derive(Debug, Clone)]
+pub(super) struct Use {
+    pub binding: &'static str,
+    pub resource: Resource,
+    pub access: ShaderAccess,
+    pub sampler: Sampler,
+}
+
+/// Indexed triangles to draw in one go: everything that differs from the draws before and after it.
+#[derive(Debug, Clone)]
+pub struct DrawList {
+    /// Textures that belong to this list alone: binding, image array, sampler.
+    pub textures: Vec<(&'static str, ImageId, Sampler)>,
+    pub constants: Vec<(&'static str, u32)>,
+    pub cull_back: bool,
+    pub vertices: BufferId,
+    pub indices: BufferId,
+    /// Indirect commands (`VkDrawIndexedIndirectCommand`), and which of them.
+    pub arguments: Buffer,
+    pub first: u32,
+    pub count: u32,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct ColorTarget {
+    pub output: &'static str,
+    pub image: Image,
+    pub load: Load,
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum Work {
+    Compute(Extent),
+    Raster { color: Vec<ColorTarget>, depth: Option<(Image, Load)>, draws: Vec<DrawList> },
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Pass {
+    pub name: &'static str,
+    /// Its shaders, if they do not go by the pass's name.
+    pub shader: &'static str,
+    pub uses: Vec<Use>,
+    pub constants: Vec<(&'static str, u32)>,
+    pub params: Option<(Element, Vec<u8>)>,
+    pub work: Work,
+}
+
+macro_rules! declarations {
+    () => {
+        /// Takes another shader than the one of the pass's name.
+        pub fn shader(mut self, shader: &'static str) -> Self {
+            self.pass.shader = shader;
+            self
+        }
+
+        /// Reads a resource; an image with a sampler is looked up texel by texel.
+        pub fn reads(self, binding: &'static str, resource: impl Into<Resource>) -> Self {
+            self.uses(binding, resource.into(), ShaderAccess::Read, Sampler::Nearest)
+        }
+
+        /// Reads an image through a filtering sampler.
+        pub fn samples(self, binding: &'static str, image: Image, sampler: Sampler) -> Self {
+            self.uses(binding, image.into(), ShaderAccess::Read, sampler)
+        }
+
+        /// Writes a resource without reading it.
+        pub fn writes(self, binding: &'static str, resource: impl Into<Resource>) -> Self {
+            self.uses(binding, resource.into(), ShaderAccess::Write, Sampler::Nearest)
+        }
+
+        /// Reads and writes a resource.
+        pub fn updates(self, binding: &'static str, resource: impl Into<Resource>) -> Self {
+            self.uses(binding, resource.into(), ShaderAccess::ReadWrite, Sampler::Nearest)
+        }
+
+        /// Sets a specialization constant by name; numbers are given by their bits.
+        pub fn constant(mut self, name: &'static str, value: impl ConstantValue) -> Self {
+            self.pass.constants.push((name, value.bits()));
+            self
+        }
+
+        /// Sets the push constants, block `params` in the shader.
+        pub fn params<T: ShaderStruct>(mut self, params: &T) -> Self {
+            self.pass.params = Some((Element::of::<T>(), bytemuck::bytes_of(params).to_vec()));
+            self
+        }
+
+        fn uses(mut self, binding: &'static str, resource: Resource, access: ShaderAccess, sampler: Sampler) -> Self {
+            self.pass.uses.push(Use { binding, resource, access, sampler });
+            self
+        }
+    };
+}
+
+/// What a specialization constant can be.
+pub trait ConstantValue {
+    fn bits(self) -> u32;
+}
+
+impl ConstantValue for u32 {
+    fn bits(self) -> u32 {
+        self
+    }
+}
+
+impl ConstantValue for bool {
+    fn bits(self) -> u32 {
+        u32::from(self)
+    }
+}
+
+impl ConstantValue for f32 {
+    fn bits(self) -> u32 {
+        self.to_bits()
+    }
+}
+
+/// A compute pass being declared; ends in [`Self::dispatch`] or [`Self::dispatch_groups`].
+#[must_use = "a pass does nothing until it is dispatched"]
+pub struct ComputePass<'g> {
+    graph: &'g mut Graph,
+    pass: Pass,
+}
+
+impl<'g> ComputePass<'g> {
+    pub(super) fn new(graph: &'g mut Graph, name: &'static str) -> Self {
+        let work = Work::Compute(Extent::Groups([0; 3]));
+        Self { graph, pass: Pass { name, shader: name, uses: Vec::new(), constants: Vec::new(), params: None, work } }
+    }
+
+    declarations!();
+
+    /// Runs at least so many invocations; shaders check their bounds.
+    pub fn dispatch(self, invocations: [u32; 3]) {
+        self.run(Extent::Invocations(invocations));
+    }
+
+    /// Runs so many workgroups.
+    pub fn dispatch_groups(self, groups: [u32; 3]) {
+        self.run(Extent::Groups(groups));
+    }
+
+    fn run(mut self, extent: Extent) {
+        self.pass.work = Work::Compute(extent);
+        self.graph.passes.push(self.pass);
+    }
+}
+
+/// A raster pass being declared; ends in [`Self::draw`].
+#[must_use = "a pass does nothing until it is drawn"]
+pub struct RasterPass<'g> {
+    graph: &'g mut Graph,
+    pass: Pass,
+    color: Vec<ColorTarget>,
+    depth: Option<(Image, Load)>,
+}
+
+impl<'g> RasterPass<'g> {
+    pub(super) fn new(graph: &'g mut Graph, name: &'static str) -> Self {
+        let work = Work::Raster { color: Vec::new(), depth: None, draws: Vec::new() };
+        let pass = Pass { name, shader: name, uses: Vec::new(), constants: Vec::new(), params: None, work };
+        Self { graph, pass, color: Vec::new(), depth: None }
+    }
+
+    declarations!();
+
+    /// Clears an image to a value and renders the fragment shader's output of this name into it.
+    pub fn color(mut self, output: &'static str, image: Image, clear: [f32; 4]) -> Self {
+        self.color.push(ColorTarget { output, image, load: Load::Clear(clear) });
+        self
+    }
+
+    /// Clears a depth image to 0, which is infinitely far, and tests against it: the greater is the nearer.
+    pub fn depth(mut self, image: Image) -> Self {
+        self.depth = Some((image, Load::Clear([0.0; 4])));
+        self
+    }
+
+    /// Draws these lists in order.
+    pub fn draw(mut self, draws: Vec<DrawList>) {
+        self.pass.work = Work::Raster { color: self.color, depth: self.depth, draws };
+        self.graph.passes.push(self.pass);
+    }
+}
+
+impl Pass {
+    /// All resources that it writes, attachments included.
+    pub fn written(&self) -> Vec<Resource> {
+        let mut written: Vec<Resource> = self.uses.iter().filter(|u| u.access != ShaderAccess::Read).map(|u| u.resource).collect();
+        if let Work::Raster { color, depth, .. } = &self.work {
+            written.extend(color.iter().map(|target| Resource::from(target.image)));
+            written.extend(depth.iter().map(|(image, _)| Resource::from(*image)));
+        }
+        written
+    }
+}
+
+impl Graph {
+    /// Bytes of a buffer.
+    pub(super) fn buffer_bytes(&self, buffer: Buffer) -> u64 {
+        let bytes = self.slots[buffer.index as usize].element.map_or(1, |element| element.bytes);
+        u64::from(buffer.count) * bytes as u64
+    }
+}

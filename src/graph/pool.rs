@@ -1,0 +1,74 @@
+//! Images and buffers that live from frame to frame and are lent to the frame's resources by name and shape.
+
+use crate::gpu::{BufferId, Gpu, ImageDesc, ImageId};
+use anyhow::Result;
+use std::collections::HashMap;
+
+/// What a lent buffer is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum BufferKind {
+    Device,
+    Upload,
+    ReadBack,
+}
+
+struct Lent<T> {
+    id: T,
+    frame: u64,
+}
+
+#[derive(Default)]
+pub(super) struct Pool {
+    frame: u64,
+    images: HashMap<(String, ImageDesc), Lent<ImageId>>,
+    buffers: HashMap<(String, u64, BufferKind), Lent<BufferId>>,
+}
+
+impl Pool {
+    /// Begins a frame: everything may be lent again.
+    pub fn begin(&mut self) {
+        self.frame += 1;
+    }
+
+    /// Images of these names and shapes; those that are new are made together.
+    pub fn images(&mut self, gpu: &mut Gpu, wanted: &[(String, ImageDesc)]) -> Result<Vec<ImageId>> {
+        let missing: Vec<&(String, ImageDesc)> = wanted.iter().filter(|key| !self.images.contains_key(*key)).collect();
+        let descs: Vec<(&str, ImageDesc)> = missing.iter().map(|(name, desc)| (name.as_str(), *desc)).collect();
+        let made = gpu.create_images(&descs)?;
+        let new: Vec<_> = missing.into_iter().cloned().zip(made).collect();
+        self.images.extend(new.into_iter().map(|(key, id)| (key, Lent { id, frame: 0 })));
+        let mut ids = Vec::with_capacity(wanted.len());
+        for key in wanted {
+            if let Some(lent) = self.images.get_mut(key) {
+                assert_ne!(lent.frame, self.frame, "two images of a frame have the name and shape of {}", key.0);
+                lent.frame = self.frame;
+                ids.push(lent.id);
+            }
+        }
+        Ok(ids)
+    }
+
+    /// A buffer of this name and size.
+    pub fn buffer(&mut self, gpu: &mut Gpu, name: &str, bytes: u64, kind: BufferKind) -> Result<BufferId> {
+        let key = (name.to_owned(), bytes, kind);
+        if let Some(lent) = self.buffers.get_mut(&key) {
+            assert_ne!(lent.frame, self.frame, "two buffers of a frame have the name and size of {name}");
+            lent.frame = self.frame;
+            return Ok(lent.id);
+        }
+        let id = match kind {
+            BufferKind::Device => gpu.create_buffer(name, bytes)?,
+            BufferKind::Upload => gpu.create_upload_buffer(name, &vec![0; bytes as usize])?,
+            BufferKind::ReadBack => gpu.create_read_back_buffer(name, bytes)?,
+        };
+        self.buffers.insert(key, Lent { id, frame: self.frame });
+        Ok(id)
+    }
+
+    /// Frees what this frame did not use: a resize or another preset leaves nothing behind.
+    pub fn trim(&mut self, gpu: &mut Gpu) {
+        let frame = self.frame;
+        self.images.retain(|_, lent| lent.frame == frame || { gpu.free_image(lent.id); false });
+        self.buffers.retain(|_, lent| lent.frame == frame || { gpu.free_buffer(lent.id); false });
+    }
+}

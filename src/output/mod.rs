@@ -1,0 +1,13 @@
+//! What a run leaves behind: OpenEXR and PNG images, `run.json`, `timings.csv`.
+//!
+//! Every file appears whole or not at all ([`file`]), and the same content is always the same bytes.
+
+pub mod exr;
+pub mod file;
+pub mod png;
+pub mod run;
+
+pub use self::exr::{Exr, Layer, Samples, read_exr, write_exr};
+pub use self::file::{prepare_folder, write_file};
+pub use self::png::write_png;
+pub use self::run::RunReport;

@@ -1,0 +1,99 @@
+//! `run.json`: what was rendered, on what, and what came of it.
+
+use super::file::write_file;
+use crate::report::{Provenance, Timings};
+use anyhow::{Context, Result};
+use serde::Serialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Everything that `run.json` says.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunReport {
+    /// Version, preset, device, timing mode and resolution.
+    #[serde(flatten)]
+    pub from: Provenance,
+    pub seed: u64,
+    /// Frames that were timed.
+    pub frames: u32,
+    /// Frames that ran before them, untimed.
+    pub warmup: u32,
+    pub timings: Timings,
+    /// What passes counted in the last frame: triangles drawn, VPLs, look-ups.
+    pub counts: BTreeMap<String, u64>,
+    /// What was checked, by name, and what came of it (`{"check-nan": {"gather/per-pixel": 0}}`).
+    pub checks: BTreeMap<String, Value>,
+    /// Every warning that was printed.
+    pub warnings: Vec<String>,
+    /// The most memory that the process held, where the system tells.
+    pub peak_memory_bytes: Option<u64>,
+    /// The resolved config: it renders the same again.
+    pub config: Value,
+}
+
+impl RunReport {
+    /// Writes the report as JSON, indented, keys in a fixed order.
+    ///
+    /// # Errors
+    /// `OutputNotWritten` with the path and the reason; no file is left then.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let mut json = serde_json::to_vec_pretty(self).context("run.json cannot be put together")?;
+        json.push(b'\n');
+        write_file(path, &json)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::samples::{provenance, times};
+    use serde_json::json;
+
+    #[test]
+    fn the_report_says_what_ran_where_and_how_long_it_took() {
+        let report = RunReport {
+            from: provenance(),
+            seed: 7,
+            frames: 2,
+            warmup: 2,
+            timings: Timings::of(&times(&[(0, "gbuffer/draw", 1.0), (1, "gbuffer/draw", 2.0)])),
+            counts: [("gather/vpls".to_owned(), 1024)].into(),
+            checks: [("check-nan".to_owned(), json!({ "gather/per-pixel": 0 }))].into(),
+            warnings: vec!["unused extension".into()],
+            peak_memory_bytes: Some(1 << 30),
+            config: json!({ "frame": { "size": [960, 540] } }),
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.json");
+        report.write(&path).unwrap();
+        let read: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+        let statistics = json!({ "median": 1.5, "p5": 1.05, "p95": 1.95, "n": 2 });
+        let row = json!({ "median": 1.5, "p5": 1.05, "p95": 1.95, "n": 2, "share": 1.0 });
+        let named = |name: &str| {
+            let mut row = row.clone();
+            row["name"] = name.into();
+            row
+        };
+        assert_eq!(
+            read,
+            json!({
+                "version": "0.1.0",
+                "preset": "first-light",
+                "device": { "name": "llvmpipe (LLVM 15.0.6, 256 bits)", "kind": "cpu", "driver": "llvmpipe", "driver_version": "Mesa 22.3.6" },
+                "timing_mode": "isolated",
+                "width": 960,
+                "height": 540,
+                "seed": 7,
+                "frames": 2,
+                "warmup": 2,
+                "timings": { "stages": [named("gbuffer")], "passes": [named("gbuffer/draw")], "total": statistics },
+                "counts": { "gather/vpls": 1024 },
+                "checks": { "check-nan": { "gather/per-pixel": 0 } },
+                "warnings": ["unused extension"],
+                "peak_memory_bytes": 1_u64 << 30,
+                "config": { "frame": { "size": [960, 540] } },
+            })
+        );
+    }
+}

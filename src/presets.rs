@@ -1,0 +1,26 @@
+//! The configs that come with the program: `configs/*.toml`, embedded, so that they render from any folder by name.
+
+use include_dir::{Dir, include_dir};
+
+static CONFIGS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/configs");
+
+/// Every preset's name and text, by name.
+pub fn all() -> Vec<(&'static str, &'static str)> {
+    let mut presets: Vec<_> = CONFIGS
+        .files()
+        .filter(|file| file.path().extension().is_some_and(|extension| extension == "toml"))
+        .filter_map(|file| Some((file.path().file_stem()?.to_str()?, file.contents_utf8()?)))
+        .collect();
+    presets.sort_unstable();
+    presets
+}
+
+/// A preset's text by its name.
+pub fn find(name: &str) -> Option<&'static str> {
+    all().into_iter().find(|(known, _)| *known == name).map(|(_, text)| text)
+}
+
+/// What a preset's first comment says of it.
+pub fn title(text: &str) -> &str {
+    text.lines().next().and_then(|line| line.strip_prefix('#')).map_or("", str::trim)
+}

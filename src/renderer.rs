@@ -1,0 +1,287 @@
+//! Renders a scene under a config, frame by frame: what the commands and the tests share.
+
+use crate::config::{Builtin, Config, SceneConfig, SceneSelector, TimingMode};
+use crate::fail;
+use crate::frame::{Lighting, frame};
+use crate::gpu::{Adapter, Feature, Format, Gpu, Options};
+use crate::graph::{Dump, Engine, Execution, Graph, Image, Library, ReadBack, Timing};
+use crate::scene::builtin::{self, Atrium};
+use crate::scene::device::DeviceScene;
+use crate::scene::gltf::{self, SceneChoice};
+use crate::scene::projection::{Projector, View};
+use crate::scene::{Aabb, Light, Scene, view};
+use crate::stages::METHODS;
+use anyhow::{Result, bail};
+use glam::Vec3;
+
+/// Loads or makes the config's scene; beside it, what the user should be told.
+pub fn load_scene(config: &SceneConfig) -> Result<(Scene, Vec<String>)> {
+    if let Some(path) = &config.file {
+        let choice = config.scene.as_ref().map(|selector| match selector {
+            SceneSelector::Index(index) => SceneChoice::Index(*index as usize),
+            SceneSelector::Name(name) => SceneChoice::Name(name.clone()),
+        });
+        let loaded = gltf::load(path, choice.as_ref())?;
+        return Ok((loaded.scene, loaded.warnings));
+    }
+    let scene = match config.builtin.unwrap_or_default() {
+        Builtin::Atrium => builtin::atrium(&Atrium { triangles: config.triangles, seed: config.seed }),
+        Builtin::Cornell => builtin::cornell(),
+    };
+    Ok((scene, Vec::new()))
+}
+
+/// A scene on a device, and everything that stays from frame to frame.
+pub struct Renderer {
+    engine: Engine,
+    scene: Scene,
+    device_scene: DeviceScene,
+}
+
+/// What a frame gave.
+pub struct Rendered {
+    /// Milliseconds of each pass, in order.
+    pub times: Vec<(&'static str, f64)>,
+    pub dumps: Vec<Dump>,
+    /// Pass, image, and how many of its texels are not finite.
+    pub non_finite: Vec<(&'static str, String, u32)>,
+    /// The frame's images, if they were asked for.
+    pub picture: Option<Picture>,
+}
+
+/// A frame's images on the host, row by row from the top.
+pub struct Picture {
+    pub size: [u32; 2],
+    pub view: View,
+    /// sRGB-encoded RGBA bytes.
+    pub image: Vec<u8>,
+    pub radiance: Plane,
+    pub direct: Plane,
+    pub indirect: Plane,
+    pub irradiance: Plane,
+    pub albedo: Plane,
+    pub normal: Plane,
+    pub depth: Plane,
+}
+
+/// One image's texels, as numbers of the format's channels.
+pub struct Plane {
+    pub channels: usize,
+    pub values: Vec<f32>,
+}
+
+impl Plane {
+    /// Reads texels of a format.
+    pub fn decode(format: Format, bytes: &[u8]) -> Self {
+        let channels = format.channels();
+        let values = bytes.chunks_exact(format.texel_bytes()).flat_map(|texel| format.decode(texel).into_iter().take(channels)).collect();
+        Self { channels, values }
+    }
+
+    /// The channels of a pixel by its number; those that the plane lacks are 0.
+    pub fn at(&self, pixel: usize) -> [f32; 4] {
+        let mut texel = [0.0; 4];
+        texel[..self.channels].copy_from_slice(&self.values[pixel * self.channels..][..self.channels]);
+        texel
+    }
+
+    /// The first three channels of every pixel.
+    pub fn rgb(&self) -> impl Iterator<Item = Vec3> {
+        (0..self.values.len() / self.channels).map(|pixel| {
+            let [r, g, b, _] = self.at(pixel);
+            Vec3::new(r, g, b)
+        })
+    }
+}
+
+impl Picture {
+    /// World position of each pixel's surface; the origin where there is none.
+    pub fn positions(&self) -> Vec<Vec3> {
+        let width = self.size[0];
+        let position = |(i, depth): (usize, &f32)| {
+            if *depth > 0.0 { self.view.position_at(i as u32 % width, i as u32 / width, *depth) } else { Vec3::ZERO }
+        };
+        self.depth.values.iter().enumerate().map(position).collect()
+    }
+
+    /// Distance of each pixel's surface along the view's axis, metres; 0 where there is none.
+    pub fn distances(&self) -> Vec<f32> {
+        self.depth.values.iter().map(|depth| if *depth > 0.0 { self.view.near / depth } else { 0.0 }).collect()
+    }
+
+    /// World normal of each pixel's surface; zero where there is none.
+    pub fn normals(&self) -> Vec<Vec3> {
+        let normal = |(i, depth): (usize, &f32)| {
+            let [x, y, ..] = self.normal.at(i);
+            if *depth > 0.0 { crate::scene::pack::octahedral_inverse(glam::Vec2::new(x, y)) } else { Vec3::ZERO }
+        };
+        self.depth.values.iter().enumerate().map(normal).collect()
+    }
+}
+
+impl Renderer {
+    /// Brings a scene to a device.
+    pub fn new(gpu: Gpu, scene: Scene) -> Result<Self> {
+        let mut engine = Engine::new(gpu, Library::new()?);
+        let device_scene = DeviceScene::upload(&mut engine.gpu, &scene)?;
+        // Lights and cameras are all that frames need of it from here on.
+        let scene = Scene { name: scene.name, lights: scene.lights, cameras: scene.cameras, ..Scene::default() };
+        Ok(Self { engine, scene, device_scene })
+    }
+
+    /// Opens a device and brings a scene to it.
+    pub fn open(options: &Options, scene: Scene) -> Result<Self> {
+        Self::new(Gpu::new(options)?, scene)
+    }
+
+    pub fn gpu(&self) -> &Gpu {
+        &self.engine.gpu
+    }
+
+    pub fn engine(&mut self) -> &mut Engine {
+        &mut self.engine
+    }
+
+    pub fn device_scene(&self) -> &DeviceScene {
+        &self.device_scene
+    }
+
+    /// Refuses what the device cannot do under this config, by the keys that ask for it.
+    pub fn check(&self, config: &Config) -> Result<()> {
+        let adapter = &self.engine.gpu.adapter;
+        let limits = &adapter.limits;
+        let [width, height] = config.frame.size;
+        let [max_width, max_height] = limits.framebuffer_size.map(|n| n.min(limits.image_size));
+        if width > max_width || height > max_height {
+            return Err(fail!(BadInput, "frame.size: {width}x{height} is over the {max_width}x{max_height} that {} allows", adapter.name));
+        }
+        let map = config.rsm.size;
+        if map[0] > max_width || map[1] > max_height {
+            return Err(fail!(
+                BadInput,
+                "rsm.size: {}x{} is over the {max_width}x{max_height} that {} allows",
+                map[0],
+                map[1],
+                adapter.name
+            ));
+        }
+        check_methods(adapter, config)?;
+        self.lighting(config, 0).map(|_| ())
+    }
+
+    fn lighting(&self, config: &Config, frame_index: u32) -> Result<Lighting> {
+        let lights = view::lights(config, &self.scene, frame_index);
+        let bounds = self.device_scene.bounds;
+        let target = config.rsm.bounds.map_or(bounds, |b| Aabb { min: b.min.into(), max: b.max.into() });
+        let projectors = Projector::of_lights(&lights, config.rsm.size, target, bounds);
+        let limits = &self.engine.gpu.adapter.limits;
+        let most = limits.image_layers.min(limits.framebuffer_layers);
+        if projectors.is_empty() {
+            return Err(fail!(
+                BadInput,
+                "light: {} has no directional, spot or point light; add a [[light]] table to the config",
+                self.scene.name
+            ));
+        }
+        if projectors.len() > most as usize {
+            return Err(fail!(
+                BadInput,
+                "light: {} shadow maps (a point light takes six) are over the {most} layers that {} allows; take fewer [[light]] tables",
+                projectors.len(),
+                self.engine.gpu.adapter.name
+            ));
+        }
+        let background = lights.iter().filter_map(|light| match light {
+            Light::Environment { radiance } => Some(*radiance),
+            _ => None,
+        });
+        Ok(Lighting { projectors, background: background.sum() })
+    }
+
+    /// What a user should know of how this config is rendered.
+    pub fn warnings(&self, config: &Config) -> Vec<String> {
+        let lights = view::lights(config, &self.scene, 0);
+        let environment = lights.iter().any(|light| matches!(light, Light::Environment { .. }));
+        let warning = "light: an environment is seen by the camera, but lights nothing in a rasterized frame";
+        environment.then(|| warning.to_owned()).into_iter().collect()
+    }
+
+    /// Renders frame `frame_index`; its images are only brought back where `pictured`.
+    pub fn render(&mut self, config: &Config, frame_index: u32, pictured: bool, execution: &Execution) -> Result<Rendered> {
+        let mut g = Graph::new();
+        let camera = view::camera(config, &self.scene, frame_index)?;
+        let view = View::new(&camera, config.frame.size, self.device_scene.bounds);
+        let lighting = self.lighting(config, frame_index)?;
+        let frame = frame(&mut g, &self.device_scene, &view, &lighting, config);
+        if let Some(unknown) = execution.dump.iter().find(|name| !g.pass_names().any(|pass| pass == *name)) {
+            let names = g.pass_names().collect::<Vec<_>>().join(", ");
+            return Err(fail!(BadInput, "--dump {unknown}: there is no such pass; there are {names}"));
+        }
+        let images = [
+            frame.composed.image,
+            frame.composed.radiance,
+            frame.direct,
+            frame.composed.indirect,
+            frame.irradiance,
+            frame.gbuffer.albedo,
+            frame.gbuffer.normal,
+            frame.gbuffer.depth,
+        ];
+        let read: Vec<ReadBack> = if pictured { images.iter().map(|image| g.read_back(*image)).collect() } else { Vec::new() };
+        let outcome = self.engine.execute(&g, execution)?;
+        let picture = match read.as_slice() {
+            [image, planes @ ..] => {
+                let plane = |(image, read): (&Image, &ReadBack)| Plane::decode(image.format, outcome.bytes(*read));
+                let decoded: Vec<Plane> = images[1..].iter().zip(planes).map(plane).collect();
+                let Ok([radiance, direct, indirect, irradiance, albedo, normal, depth]) = <[Plane; 7]>::try_from(decoded) else {
+                    bail!("the frame's images did not all come back");
+                };
+                let image = outcome.bytes(*image).to_vec();
+                Some(Picture { size: config.frame.size, view, image, radiance, direct, indirect, irradiance, albedo, normal, depth })
+            }
+            [] => None,
+        };
+        Ok(Rendered { times: outcome.times, dumps: outcome.dumps, non_finite: outcome.non_finite, picture })
+    }
+}
+
+/// How the config wants its passes timed, as far as the device can.
+pub fn timing(config: &Config, adapter: &Adapter) -> Timing {
+    match config.frame.timing {
+        _ if !adapter.has(Feature::Timestamps) => Timing::Serial,
+        TimingMode::Isolated => Timing::Isolated,
+        TimingMode::Overlapped => Timing::Overlapped,
+        TimingMode::Serial => Timing::Serial,
+    }
+}
+
+/// Refuses a config whose methods need what the device lacks.
+fn check_methods(adapter: &Adapter, config: &Config) -> Result<()> {
+    let value = |key: &str, name: &str| match key {
+        "vpls.sampler" => name == kebab(&config.vpls.sampler),
+        "visibility.method" => name == kebab(&config.visibility.method),
+        "gather.method" => name == kebab(&config.gather.method),
+        "filter.kind" => name == kebab(&config.filter.kind),
+        "direct.shadows" => name == kebab(&config.direct.shadows),
+        _ => true,
+    };
+    for method in METHODS.iter().filter(|method| value(method.slot, method.name)) {
+        let missing = adapter.missing(method.needs);
+        if !missing.is_empty() {
+            let list = missing.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+            return Err(fail!(
+                NoDevice,
+                "{} = \"{}\" needs {list}, which {} lacks; `manylight doctor` shows what runs here",
+                method.slot,
+                method.name,
+                adapter.name
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// A method's name as configs spell it.
+fn kebab(method: &impl serde::Serialize) -> String {
+    serde_json::to_value(method).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
+}

@@ -1,0 +1,134 @@
+//! Figures: the times of passes, their statistics, and the table and the CSV that show them.
+//!
+//! A figure never travels without its [`Provenance`].
+
+mod csv;
+mod statistics;
+mod table;
+
+pub use self::csv::timings_csv;
+pub use self::statistics::{Row, Statistics, Timings};
+pub use self::table::timing_table;
+
+use serde::Serialize;
+
+/// How long a pass took in a frame. A pass that runs several times in a frame has several of these.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PassTime {
+    /// Counted from 0, warm-up left out.
+    pub frame: u32,
+    /// The pass's name, `stage/pass`: `visibility/ism-splat`.
+    pub pass: String,
+    /// Milliseconds.
+    pub ms: f64,
+}
+
+impl PassTime {
+    /// The stage that the pass belongs to.
+    pub fn stage(&self) -> &str {
+        stage(&self.pass)
+    }
+}
+
+/// The stage of a pass: its name up to the slash.
+pub fn stage(pass: &str) -> &str {
+    pass.split_once('/').map_or(pass, |(stage, _)| stage)
+}
+
+/// Where figures come from: what must stand beside each of them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Provenance {
+    /// Version of this program.
+    pub version: String,
+    /// Name of the config that was rendered.
+    pub preset: String,
+    pub device: Device,
+    /// How passes were timed: `isolated`, `overlapped` or `serial`.
+    pub timing_mode: String,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+}
+
+/// A device and its driver, as they name themselves.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Device {
+    pub name: String,
+    /// `cpu` for a software driver, else `gpu`.
+    pub kind: String,
+    pub driver: String,
+    pub driver_version: String,
+}
+
+impl Device {
+    /// The driver with its version, which some drivers' version text repeats.
+    pub fn driver_label(&self) -> String {
+        match self.driver_version.as_str() {
+            "" => self.driver.clone(),
+            version if version.starts_with(&self.driver) => version.to_owned(),
+            version => format!("{} {version}", self.driver),
+        }
+    }
+}
+
+/// The most memory that this process has held so far, bytes, where the system tells.
+pub fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let kibibytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().strip_suffix("kB")?;
+    Some(kibibytes.trim().parse::<u64>().ok()? * 1024)
+}
+
+#[cfg(test)]
+pub(crate) mod samples {
+    use super::*;
+
+    pub fn provenance() -> Provenance {
+        Provenance {
+            version: "0.1.0".into(),
+            preset: "first-light".into(),
+            device: Device {
+                name: "llvmpipe (LLVM 15.0.6, 256 bits)".into(),
+                kind: "cpu".into(),
+                driver: "llvmpipe".into(),
+                driver_version: "Mesa 22.3.6".into(),
+            },
+            timing_mode: "isolated".into(),
+            width: 960,
+            height: 540,
+        }
+    }
+
+    pub fn times(list: &[(u32, &str, f64)]) -> Vec<PassTime> {
+        list.iter().map(|&(frame, pass, ms)| PassTime { frame, pass: pass.into(), ms }).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_stage_is_what_stands_before_the_slash() {
+        for (pass, expected) in [("visibility/ism-splat", "visibility"), ("gbuffer", "gbuffer"), ("a/b/c", "a")] {
+            assert_eq!(stage(pass), expected);
+        }
+    }
+
+    #[test]
+    fn the_driver_is_not_named_twice() {
+        let mut device = samples::provenance().device;
+        assert_eq!(device.driver_label(), "llvmpipe Mesa 22.3.6");
+        device.driver_version = "llvmpipe 22.3.6".into();
+        assert_eq!(device.driver_label(), "llvmpipe 22.3.6");
+        device.driver_version.clear();
+        assert_eq!(device.driver_label(), "llvmpipe");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn peak_memory_covers_what_was_touched() {
+        let touched = std::hint::black_box(vec![1_u8; 32 << 20]);
+        assert!(peak_memory_bytes().unwrap() > touched.len() as u64);
+    }
+}

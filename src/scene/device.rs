@@ -1,0 +1,297 @@
+//! A scene on the device: one vertex and one index buffer, draws and materials in storage buffers, textures in arrays.
+//!
+//! Textures of one size and kind share an image array. Draws whose materials use the same arrays with the same samplers form a
+//! [`Bucket`]: one indirect draw, with its maps bound once and the shader specialised to what it has.
+
+use super::{Aabb, Filter, Map, Material, Scene, Wrap};
+use crate::fail;
+use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, Wrapping};
+use crate::graph::{Buffer, DrawList, Graph};
+use crate::shader_struct;
+use anyhow::Result;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+shader_struct! {
+    /// A draw: `glsl/lib/scene.glsl`.
+    pub struct DrawData {
+        /// Three axes and the translation, one after the other.
+        pub transform: [[f32; 3]; 4],
+        pub material: u32,
+    }
+
+    /// `VkDrawIndexedIndirectCommand`; the first instance is the draw's number.
+    pub struct DrawArguments {
+        pub index_count: u32,
+        pub instance_count: u32,
+        pub first_index: u32,
+        pub vertex_offset: i32,
+        pub first_instance: u32,
+    }
+
+    /// A material: `glsl/lib/scene.glsl`.
+    pub struct MaterialData {
+        pub base_color: [f32; 4],
+        pub emission: [f32; 3],
+        pub metallic: f32,
+        pub roughness: f32,
+        pub alpha_cutoff: f32,
+        pub normal_scale: f32,
+        pub double_sided: u32,
+        /// Of the base colour, metallic-roughness, emission and normal map: matrix columns, offset, layer.
+        pub base_color_map: [f32; 7],
+        pub metallic_roughness_map: [f32; 7],
+        pub emission_map: [f32; 7],
+        pub normal_map: [f32; 7],
+    }
+}
+
+/// Names of a material's maps in the shaders, and of the constants that switch them on.
+const MAPS: [(&str, &str); 4] = [
+    ("base_color_map", "BASE_COLOR_MAP"),
+    ("metallic_roughness_map", "METALLIC_ROUGHNESS_MAP"),
+    ("emission_map", "EMISSION_MAP"),
+    ("normal_map", "NORMAL_MAP"),
+];
+
+/// Which of a material's maps a pass's shaders have: the first so many of base colour, metallic-roughness, emission, normal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Maps {
+    Reflection = 2,
+    All = 4,
+}
+
+/// What draws must share to be drawn in one go.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+struct BucketKey {
+    masked: bool,
+    double_sided: bool,
+    /// Image array and sampling of each map.
+    maps: [Option<(usize, (Wrap, Wrap, Filter))>; 4],
+}
+
+struct Bucket {
+    key: BucketKey,
+    draws: Vec<PlacedDraw>,
+}
+
+/// A range of triangles to draw, and where they are in the world.
+struct PlacedDraw {
+    arguments: DrawArguments,
+    bounds: Aabb,
+}
+
+/// See the module's page. The device owns all of it.
+pub struct DeviceScene {
+    pub bounds: Aabb,
+    pub triangles: u64,
+    vertices: BufferId,
+    indices: BufferId,
+    draws: BufferId,
+    draw_count: u32,
+    materials: BufferId,
+    material_count: u32,
+    arrays: Vec<ImageId>,
+    /// One white texel, for maps that a bucket does not have.
+    blank: ImageId,
+    buckets: Vec<Bucket>,
+}
+
+/// A scene's buffers in one frame's graph.
+#[derive(Debug, Clone, Copy)]
+pub struct SceneHandles {
+    pub draws: Buffer,
+    pub materials: Buffer,
+}
+
+impl DeviceScene {
+    /// Checks a scene against the device's limits and brings it there. Errors name the limit and the knob.
+    pub fn upload(gpu: &mut Gpu, scene: &Scene) -> Result<Self> {
+        let limits = gpu.adapter.limits;
+        let check = |what: &str, bytes: usize, limit: u64| -> Result<()> {
+            if bytes as u64 > limit {
+                return Err(fail!(
+                    BadInput,
+                    "{}: its {} triangles need {} MB of {what}, over the {} MB that {} allows; lower scene.triangles or take a smaller file",
+                    scene.name,
+                    scene.triangle_count(),
+                    bytes >> 20,
+                    limit >> 20,
+                    gpu.adapter.name
+                ));
+            }
+            Ok(())
+        };
+        check("vertices", size_of_val(scene.vertices.as_slice()), limits.buffer_bytes)?;
+        check("indices", size_of_val(scene.indices.as_slice()), limits.buffer_bytes)?;
+        check("draws", scene.draws.len() * size_of::<DrawData>(), limits.storage_buffer_bytes)?;
+        check("materials", scene.materials.len() * size_of::<MaterialData>(), limits.storage_buffer_bytes)?;
+
+        let (arrays, places) = upload_textures(gpu, scene)?;
+        let materials: Vec<MaterialData> = scene.materials.iter().map(|material| material_data(material, &places)).collect();
+        let draws: Vec<DrawData> = scene
+            .draws
+            .iter()
+            .map(|draw| DrawData { transform: draw.transform.to_cols_array_2d(), material: draw.material })
+            .collect();
+        let (buckets, bounds) = fill_buckets(scene, &places);
+        Ok(Self {
+            bounds,
+            triangles: scene.triangle_count(),
+            vertices: gpu.create_filled_buffer("scene/vertices", bytemuck::cast_slice(&scene.vertices))?,
+            indices: gpu.create_filled_buffer("scene/indices", bytemuck::cast_slice(&scene.indices))?,
+            draws: gpu.create_filled_buffer("scene/draws", bytemuck::cast_slice(&draws))?,
+            draw_count: draws.len() as u32,
+            materials: gpu.create_filled_buffer("scene/materials", bytemuck::cast_slice(&materials))?,
+            material_count: materials.len() as u32,
+            arrays,
+            blank: gpu.create_texture_array("scene/blank", Format::Rgba8Unorm, [1, 1], &[&[255; 4]])?,
+            buckets,
+        })
+    }
+
+    /// The scene's buffers as this frame's resources.
+    pub fn import(&self, g: &mut Graph) -> SceneHandles {
+        SceneHandles {
+            draws: g.import_buffer::<DrawData>("scene/draws", self.draws, self.draw_count),
+            materials: g.import_buffer::<MaterialData>("scene/materials", self.materials, self.material_count),
+        }
+    }
+
+    /// What a raster pass draws: for each bucket the draws that `visible` keeps, `instances` times.
+    pub fn draw_lists(&self, g: &mut Graph, name: &str, maps: Maps, instances: u32, visible: impl Fn(Aabb) -> bool) -> Vec<DrawList> {
+        let mut arguments: Vec<DrawArguments> = Vec::new();
+        let mut ranges = Vec::new();
+        for bucket in &self.buckets {
+            let first = arguments.len() as u32;
+            let kept = bucket.draws.iter().filter(|draw| visible(draw.bounds));
+            arguments.extend(kept.map(|draw| DrawArguments { instance_count: instances, ..draw.arguments }));
+            ranges.push((first, arguments.len() as u32 - first));
+        }
+        if arguments.is_empty() {
+            // A buffer is never empty; no list refers to this.
+            arguments.push(bytemuck::Zeroable::zeroed());
+        }
+        let arguments = g.upload(&format!("{name}/arguments"), &arguments);
+        let drawn = self.buckets.iter().zip(ranges).filter(|(_, (_, count))| *count > 0);
+        drawn.map(|(bucket, (first, count))| self.draw_list(&bucket.key, arguments, first, count, maps)).collect()
+    }
+
+    fn draw_list(&self, key: &BucketKey, arguments: Buffer, first: u32, count: u32, maps: Maps) -> DrawList {
+        let has = maps as usize;
+        let mut constants = vec![("MASKED", u32::from(key.masked))];
+        let mut textures = Vec::new();
+        for (map, (binding, constant)) in key.maps.iter().zip(MAPS).take(has) {
+            constants.push((constant, u32::from(map.is_some())));
+            textures.push(match map {
+                Some((array, (u, v, filter))) => {
+                    let sampler = Sampler::Material { u: wrapping(*u), v: wrapping(*v), linear: *filter == Filter::Linear };
+                    (binding, self.arrays[*array], sampler)
+                }
+                None => (binding, self.blank, Sampler::Nearest),
+            });
+        }
+        DrawList {
+            textures,
+            constants,
+            // The light's view keeps back faces: they stop light, whatever they show to the camera.
+            cull_back: !key.double_sided && maps == Maps::All,
+            vertices: self.vertices,
+            indices: self.indices,
+            arguments,
+            first,
+            count,
+        }
+    }
+}
+
+/// Where each texture went: image array and layer.
+type Places = Vec<(usize, u32)>;
+
+fn upload_textures(gpu: &mut Gpu, scene: &Scene) -> Result<(Vec<ImageId>, Places)> {
+    let limits = gpu.adapter.limits;
+    let mut groups: BTreeMap<(u32, u32, bool), Vec<usize>> = BTreeMap::new();
+    for (i, texture) in scene.textures.iter().enumerate() {
+        if texture.width.max(texture.height) > limits.image_size {
+            return Err(fail!(
+                BadInput,
+                "{}: texture {} has {}x{} texels, over the {} that {} allows; scale it down",
+                scene.name,
+                texture.name,
+                texture.width,
+                texture.height,
+                limits.image_size,
+                gpu.adapter.name
+            ));
+        }
+        groups.entry((texture.width, texture.height, texture.srgb)).or_default().push(i);
+    }
+    let mut arrays = Vec::new();
+    let mut places = vec![(0, 0); scene.textures.len()];
+    for ((width, height, srgb), members) in groups {
+        for members in members.chunks(limits.image_layers.max(1) as usize) {
+            let layers: Vec<&[u8]> = members.iter().map(|i| scene.textures[*i].texels.as_slice()).collect();
+            let format = if srgb { Format::Rgba8Srgb } else { Format::Rgba8Unorm };
+            members.iter().enumerate().for_each(|(layer, i)| places[*i] = (arrays.len(), layer as u32));
+            arrays.push(gpu.create_texture_array("scene/textures", format, [width, height], &layers)?);
+        }
+    }
+    Ok((arrays, places))
+}
+
+fn maps(material: &Material) -> [Option<Map>; 4] {
+    [material.base_color_map, material.metallic_roughness_map, material.emission_map, material.normal_map]
+}
+
+fn material_data(material: &Material, places: &Places) -> MaterialData {
+    let [base_color_map, metallic_roughness_map, emission_map, normal_map] = maps(material).map(|map| {
+        map.map_or([0.0; 7], |map| {
+            let [a, b, c, d] = map.matrix.to_cols_array();
+            [a, b, c, d, map.offset.x, map.offset.y, places[map.texture as usize].1 as f32]
+        })
+    });
+    MaterialData {
+        base_color: material.base_color,
+        emission: material.emission,
+        metallic: material.metallic,
+        roughness: material.roughness,
+        alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
+        normal_scale: material.normal_scale,
+        double_sided: u32::from(material.double_sided),
+        base_color_map,
+        metallic_roughness_map,
+        emission_map,
+        normal_map,
+    }
+}
+
+fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
+    let bounds: Vec<Aabb> = scene.draws.par_iter().map(|draw| scene.draw_bounds(draw)).collect();
+    let mut buckets: BTreeMap<BucketKey, Vec<PlacedDraw>> = BTreeMap::new();
+    for (number, (draw, bounds)) in scene.draws.iter().zip(&bounds).enumerate() {
+        let material = &scene.materials[draw.material as usize];
+        let key = BucketKey {
+            masked: material.alpha_cutoff.is_some(),
+            double_sided: material.double_sided,
+            maps: maps(material).map(|map| map.map(|m| (places[m.texture as usize].0, (m.wrap_u, m.wrap_v, m.filter)))),
+        };
+        let arguments = DrawArguments {
+            index_count: draw.index_count,
+            instance_count: 1,
+            first_index: draw.first_index,
+            vertex_offset: draw.vertex_offset as i32,
+            first_instance: number as u32,
+        };
+        buckets.entry(key).or_default().push(PlacedDraw { arguments, bounds: *bounds });
+    }
+    let all = bounds.into_iter().fold(Aabb::EMPTY, Aabb::union);
+    (buckets.into_iter().map(|(key, draws)| Bucket { key, draws }).collect(), all)
+}
+
+fn wrapping(wrap: Wrap) -> Wrapping {
+    match wrap {
+        Wrap::Repeat => Wrapping::Repeat,
+        Wrap::MirroredRepeat => Wrapping::MirroredRepeat,
+        Wrap::ClampToEdge => Wrapping::ClampToEdge,
+    }
+}

@@ -1,0 +1,50 @@
+//! The final picture: all light of a pixel, exposed and tone-mapped.
+
+use super::gbuffer::GBuffer;
+use crate::config::{ComposeConfig, Tonemap};
+use crate::gpu::Format;
+use crate::graph::{Graph, Image};
+use crate::shader_struct;
+use glam::Vec3;
+
+shader_struct! {
+    struct SumParams {
+        background: [f32; 3],
+        exposure: f32,
+    }
+}
+
+/// The picture and what it is made of.
+#[derive(Debug, Clone, Copy)]
+pub struct Composed {
+    /// Radiance of the indirect light, albedo included.
+    pub indirect: Image,
+    /// All radiance before exposure; alpha is 1 where there is a surface.
+    pub radiance: Image,
+    /// Tone-mapped and sRGB-encoded, 8 bits a channel.
+    pub image: Image,
+}
+
+/// Adds direct, indirect and emitted light; `background` is the radiance where there is no surface.
+pub fn sum(g: &mut Graph, gbuffer: &GBuffer, direct: Image, irradiance: Image, background: Vec3, config: &ComposeConfig) -> Composed {
+    let composed = Composed {
+        indirect: g.image("compose/indirect", Format::Rgba16Float, gbuffer.size),
+        radiance: g.image("compose/radiance", Format::Rgba16Float, gbuffer.size),
+        image: g.image("compose/image", Format::Rgba8Unorm, gbuffer.size),
+    };
+    g.compute("compose/sum")
+        .reads("view", gbuffer.view)
+        .reads("depth", gbuffer.depth)
+        .reads("albedo", gbuffer.albedo)
+        .reads("metallic_roughness", gbuffer.metallic_roughness)
+        .reads("emission", gbuffer.emission)
+        .reads("direct", direct)
+        .reads("irradiance", irradiance)
+        .writes("indirect", composed.indirect)
+        .writes("radiance", composed.radiance)
+        .writes("image", composed.image)
+        .constant("REINHARD", config.tonemap == Tonemap::Reinhard)
+        .params(&SumParams { background: background.into(), exposure: config.exposure })
+        .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
+    composed
+}

@@ -1,0 +1,77 @@
+//! Light that comes straight from the lights, with shadows from the depth of their reflective shadow maps.
+
+use super::gbuffer::GBuffer;
+use super::rsm::Rsm;
+use crate::config::{Dielectric, DirectConfig, Shadows};
+use crate::gpu::{Format, Sampler};
+use crate::graph::{Graph, Image};
+use crate::shader_struct;
+
+shader_struct! {
+    struct ShadeParams {
+        lights: u32,
+        bias: f32,
+        map_size: [i32; 2],
+        radius: i32,
+    }
+
+    struct MomentParams {
+        size: [i32; 3],
+        radius: i32,
+    }
+}
+
+/// Fills the slot with the config's shadows; the image holds outgoing radiance, albedo included.
+pub fn shade(g: &mut Graph, gbuffer: &GBuffer, rsm: &Rsm, dielectric: Dielectric, config: &DirectConfig) -> Image {
+    let direct = g.image("direct/radiance", Format::Rgba16Float, gbuffer.size);
+    let moments = match config.shadows {
+        Shadows::Variance => Some(variance_moments(g, rsm, config.blur)),
+        Shadows::PercentageCloser | Shadows::None => None,
+    };
+    let (name, map) = match config.shadows {
+        Shadows::Variance => ("direct/variance", moments.map(|image| ("moments", image, Sampler::Linear))),
+        Shadows::PercentageCloser => ("direct/percentage-closer", Some(("rsm_depth", rsm.depth, Sampler::Nearest))),
+        Shadows::None => ("direct/none", None),
+    };
+    let mut pass = g
+        .compute(name)
+        .reads("view", gbuffer.view)
+        .reads("lights", rsm.lights)
+        .reads("depth", gbuffer.depth)
+        .reads("normal", gbuffer.normal)
+        .reads("albedo", gbuffer.albedo)
+        .reads("metallic_roughness", gbuffer.metallic_roughness)
+        .writes("direct", direct)
+        .constant("GLOSSY_DIELECTRIC", dielectric == Dielectric::Ggx)
+        .params(&ShadeParams {
+            lights: rsm.layers,
+            bias: config.bias,
+            map_size: rsm.size.map(|n| n as i32),
+            radius: config.blur as i32,
+        });
+    if let Some((binding, image, sampler)) = map {
+        pass = pass.samples(binding, image, sampler);
+    }
+    pass.dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
+    direct
+}
+
+/// Mean and mean square of the distances, blurred (Donnelly and Lauritzen 2006).
+fn variance_moments(g: &mut Graph, rsm: &Rsm, radius: u32) -> Image {
+    let [width, height] = rsm.size;
+    let rows = g.layered_image("direct/moments-rows", Format::Rg32Float, rsm.size, rsm.layers);
+    let moments = g.layered_image("direct/moments", Format::Rg32Float, rsm.size, rsm.layers);
+    let params = MomentParams { size: [width, height, rsm.layers].map(|n| n as i32), radius: radius as i32 };
+    g.compute("direct/moments")
+        .reads("lights", rsm.lights)
+        .reads("rsm_depth", rsm.depth)
+        .writes("moments", rows)
+        .params(&params)
+        .dispatch([width, height, rsm.layers]);
+    g.compute("direct/moments-blur")
+        .reads("moments", rows)
+        .writes("blurred", moments)
+        .params(&params)
+        .dispatch([width, height, rsm.layers]);
+    moments
+}

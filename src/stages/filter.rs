@@ -1,0 +1,51 @@
+//! Smooths what interleaving and sampling leave noisy, without crossing edges.
+
+use super::gbuffer::GBuffer;
+use crate::config::{FilterConfig, FilterKind};
+use crate::gpu::Format;
+use crate::graph::{Graph, Image};
+use crate::shader_struct;
+
+shader_struct! {
+    struct BilateralParams {
+        radius: i32,
+        min_cosine: f32,
+        plane_distance: f32,
+    }
+}
+
+/// Fills the slot with the config's kind. `interleave` is the size of the pattern that is to go.
+pub fn smooth(g: &mut Graph, gbuffer: &GBuffer, noisy: Image, interleave: u32, config: &FilterConfig) -> Image {
+    match config.kind {
+        FilterKind::None => noisy,
+        // Without a pattern and without a wish there is nothing to smooth.
+        FilterKind::Bilateral if config.radius.unwrap_or(interleave) <= 1 => noisy,
+        FilterKind::Bilateral => bilateral(g, gbuffer, noisy, config.radius.unwrap_or(interleave), config),
+    }
+}
+
+/// Depth- and normal-aware, first along rows, then along columns (Laine et al. 2007).
+fn bilateral(g: &mut Graph, gbuffer: &GBuffer, noisy: Image, radius: u32, config: &FilterConfig) -> Image {
+    let rows = g.image("filter/rows", Format::Rgba16Float, gbuffer.size);
+    let smoothed = g.image("filter/irradiance", Format::Rgba16Float, gbuffer.size);
+    let params = BilateralParams {
+        radius: radius as i32,
+        min_cosine: config.normal_threshold_deg.to_radians().cos(),
+        plane_distance: config.plane_distance,
+    };
+    for (name, vertical, from, to) in
+        [("filter/bilateral-rows", false, noisy, rows), ("filter/bilateral-columns", true, rows, smoothed)]
+    {
+        g.compute(name)
+            .shader("filter/bilateral")
+            .reads("view", gbuffer.view)
+            .reads("depth", gbuffer.depth)
+            .reads("normal", gbuffer.normal)
+            .reads("noisy", from)
+            .writes("smoothed", to)
+            .constant("VERTICAL", vertical)
+            .params(&params)
+            .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
+    }
+    smoothed
+}

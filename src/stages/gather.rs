@@ -1,0 +1,43 @@
+//! Irradiance at every pixel from the VPLs.
+
+use super::gbuffer::GBuffer;
+use super::visibility::Visibility;
+use super::vpls::Vpls;
+use crate::config::{GatherConfig, GatherMethod};
+use crate::gpu::Format;
+use crate::graph::{Graph, Image};
+use crate::shader_struct;
+
+shader_struct! {
+    struct PerPixelParams {
+        count: u32,
+        squared_min_distance: f32,
+    }
+}
+
+/// Fills the slot with the config's method; the image holds indirect irradiance, W/m^2.
+pub fn indirect(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibility, config: &GatherConfig) -> Image {
+    match (config.method, visibility) {
+        (GatherMethod::PerPixel, Visibility::None) => per_pixel(g, gbuffer, vpls, config),
+    }
+}
+
+/// Every pixel takes one of every `interleave^2` VPLs (Linke 2016, section 4.5).
+fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, config: &GatherConfig) -> Image {
+    /// Pixels of a workgroup in each direction.
+    const GROUP: u32 = 8;
+    let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
+    let n = config.interleave;
+    let groups = gbuffer.size.map(|pixels| pixels.div_ceil(GROUP * n) * n);
+    g.compute("gather/per-pixel")
+        .reads("view", gbuffer.view)
+        .reads("depth", gbuffer.depth)
+        .reads("normal", gbuffer.normal)
+        .reads("points", vpls.points)
+        .reads("intensities", vpls.intensities)
+        .writes("irradiance", irradiance)
+        .constant("INTERLEAVE", n)
+        .params(&PerPixelParams { count: vpls.count, squared_min_distance: config.min_distance * config.min_distance })
+        .dispatch_groups([groups[0], groups[1], 1]);
+    irradiance
+}

@@ -1,0 +1,41 @@
+//! The slots of the frame: a module each, named as its folder of shaders. A method that fills a slot is a function with typed
+//! inputs and outputs; what a stage makes exists only as what it returns.
+
+pub mod compose;
+pub mod direct;
+pub mod filter;
+pub mod gather;
+pub mod gbuffer;
+pub mod rsm;
+pub mod visibility;
+pub mod vpls;
+
+use crate::gpu::Feature;
+
+/// A way to fill a slot, by its name in the config, and what a device must have for it.
+pub struct Method {
+    pub slot: &'static str,
+    pub name: &'static str,
+    pub needs: &'static [Feature],
+}
+
+/// Every method there is.
+pub const METHODS: &[Method] = {
+    use Feature::{FilteredRg32Float, LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters, Snorm16Attachment};
+    const fn method(slot: &'static str, name: &'static str, needs: &'static [Feature]) -> Method {
+        Method { slot, name, needs }
+    }
+    &[
+        method("gbuffer", "draw", &[MultiDrawIndirect, Snorm16Attachment]),
+        method("rsm", "draw", &[MultiDrawIndirect, ShaderDrawParameters, LayerFromVertexShader, Snorm16Attachment]),
+        method("vpls.sampler", "regular", &[]),
+        method("visibility.method", "none", &[]),
+        method("gather.method", "per-pixel", &[]),
+        method("filter.kind", "bilateral", &[]),
+        method("filter.kind", "none", &[]),
+        method("direct.shadows", "variance", &[FilteredRg32Float]),
+        method("direct.shadows", "percentage-closer", &[]),
+        method("direct.shadows", "none", &[]),
+        method("compose", "sum", &[]),
+    ]
+};

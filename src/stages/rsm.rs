@@ -1,0 +1,61 @@
+//! Reflective shadow maps (Dachsbacher and Stamminger 2005): what each light sees, and how much of its flux arrives there.
+
+use crate::gpu::Format;
+use crate::graph::{Buffer, Graph, Image};
+use crate::scene::device::{DeviceScene, Maps, SceneHandles};
+use crate::scene::projection::Projector;
+use crate::shader_struct;
+
+/// A map a light, as layers of the same images. A texel without a surface has depth 0 and no flux.
+#[derive(Debug, Clone, Copy)]
+pub struct Rsm {
+    /// The projectors, one a layer.
+    pub lights: Buffer,
+    pub layers: u32,
+    pub size: [u32; 2],
+    pub depth: Image,
+    /// Geometric normal, turned to the light; octahedral.
+    pub normal: Image,
+    /// Incident flux of the texel, W.
+    pub flux: Image,
+    /// Diffuse albedo, averaged over the area that a VPL stands for; 0 on the back of a single-sided surface.
+    pub albedo: Image,
+}
+
+shader_struct! {
+    struct RsmParams {
+        texel_size: [f32; 2],
+        albedo_lod: f32,
+    }
+}
+
+/// Rasterizes the scene once for all lights: an instance each, which the vertex shader sends to its layer. `vpl_count` says how
+/// many texels a VPL stands for.
+pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &[Projector], size: [u32; 2], vpl_count: u32) -> Rsm {
+    let layers = lights.len() as u32;
+    let rsm = Rsm {
+        lights: g.upload("lights", lights),
+        layers,
+        size,
+        depth: g.layered_image("rsm/depth", Format::Depth32, size, layers),
+        normal: g.layered_image("rsm/normal", Format::Rg16Snorm, size, layers),
+        flux: g.layered_image("rsm/flux", Format::Rgba32Float, size, layers),
+        albedo: g.layered_image("rsm/albedo", Format::Rgba16Float, size, layers),
+    };
+    let lists = scene.draw_lists(g, "rsm", Maps::Reflection, layers, |bounds| lights.iter().any(|light| light.sees(bounds)));
+    let texels_per_vpl = f64::from(size[0]) * f64::from(size[1]) * f64::from(layers) / f64::from(vpl_count);
+    g.raster("rsm/draw")
+        .reads("lights", rsm.lights)
+        .reads("draws", handles.draws)
+        .reads("materials", handles.materials)
+        .params(&RsmParams {
+            texel_size: [2.0 / size[0] as f32, 2.0 / size[1] as f32],
+            albedo_lod: (0.5 * texels_per_vpl.log2()).max(0.0) as f32,
+        })
+        .color("normal", rsm.normal, [0.0; 4])
+        .color("flux", rsm.flux, [0.0; 4])
+        .color("albedo", rsm.albedo, [0.0; 4])
+        .depth(rsm.depth)
+        .draw(lists);
+    rsm
+}

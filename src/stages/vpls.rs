@@ -1,0 +1,56 @@
+//! Virtual point lights from the reflective shadow maps.
+
+use super::gbuffer::GBuffer;
+use super::rsm::Rsm;
+use crate::config::{VplSampler, VplsConfig};
+use crate::graph::{Buffer, Graph};
+use crate::shader_struct;
+
+shader_struct! {
+    /// `glsl/lib/vpl.glsl`.
+    pub struct VplPoint {
+        pub position: [f32; 3],
+        /// Octahedral, two signed normalized 16-bit numbers.
+        pub normal: u32,
+    }
+
+    struct RegularParams {
+        size: [u32; 2],
+        lights: u32,
+        count: u32,
+        shuffle: u32,
+    }
+}
+
+/// The VPLs: for visibility and culling their places alone, so that those read little (Linke 2016, section 4.3).
+#[derive(Debug, Clone, Copy)]
+pub struct Vpls {
+    pub count: u32,
+    pub points: Buffer,
+    /// Radiant intensity along the normal, W/sr, RGB.
+    pub intensities: Buffer,
+}
+
+/// Fills the slot with the config's sampler.
+pub fn sample(g: &mut Graph, rsm: &Rsm, _gbuffer: &GBuffer, config: &VplsConfig) -> Vpls {
+    match config.sampler {
+        VplSampler::Regular => regular(g, rsm, config.count),
+    }
+}
+
+/// A regular pattern over each light's map, in the order of a fixed permutation.
+fn regular(g: &mut Graph, rsm: &Rsm, count: u32) -> Vpls {
+    let vpls =
+        Vpls { count, points: g.buffer::<VplPoint>("vpls/points", count), intensities: g.buffer::<[f32; 3]>("vpls/intensities", count) };
+    g.compute("vpls/regular")
+        .reads("lights", rsm.lights)
+        .reads("rsm_depth", rsm.depth)
+        .reads("rsm_normal", rsm.normal)
+        .reads("rsm_flux", rsm.flux)
+        .reads("rsm_albedo", rsm.albedo)
+        .writes("points", vpls.points)
+        .writes("intensities", vpls.intensities)
+        .params(&RegularParams { size: rsm.size, lights: rsm.layers, count, shuffle: 1 })
+        .dispatch([count, 1, 1]);
+    vpls
+}

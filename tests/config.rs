@@ -1,0 +1,467 @@
+//! The config from the outside: what loads, what is refused, and in which words.
+
+use manylight::config::{self, *};
+use manylight::error::{Exit, exit_code};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A folder of its own for a test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str, files: &[(&str, &str)]) -> Self {
+        let path = std::env::temp_dir().join(format!("manylight-config-{}-{name}", std::process::id()));
+        let _ = fs::remove_dir_all(&path);
+        for (file, text) in files {
+            let file = path.join(file);
+            fs::create_dir_all(file.parent().unwrap()).unwrap();
+            fs::write(file, text).unwrap();
+        }
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn load(&self, file: &str, sets: &[&str]) -> Result<Config, String> {
+        sentence(config::load(&self.0.join(file), &owned(sets))).map_err(|error| error.replace(&format!("{}/", self.0.display()), ""))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn owned(sets: &[&str]) -> Vec<String> {
+    sets.iter().map(|set| (*set).to_owned()).collect()
+}
+
+fn parse(text: &str, sets: &[&str]) -> Result<Config, String> {
+    sentence(config::parse(text, Path::new("x.toml"), &owned(sets)))
+}
+
+/// Every error is one line and ends the program as bad input.
+fn sentence(result: anyhow::Result<Config>) -> Result<Config, String> {
+    result.map_err(|error| {
+        assert_eq!(exit_code(&error), Exit::BadInput);
+        let text = format!("{error:#}");
+        assert!(!text.contains('\n'), "more than one line: {text}");
+        text
+    })
+}
+
+const SPOT: &str = "[[light]]\nkind = \"spot\"\nposition = [0, 3, 0]\ntarget = [0, 0, 0]\nintensity = [1, 1, 1]\n";
+const SUN: &str = "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0]\nirradiance = [1, 1, 1]\n";
+
+#[test]
+fn an_empty_file_is_the_default_config() {
+    assert_eq!(parse("", &[]).unwrap(), Config::default());
+}
+
+#[test]
+fn every_mistake_gets_a_sentence_with_file_line_and_key() {
+    let deep = format!("a = {}1{}", "[".repeat(200), "]".repeat(200));
+    let spot = |more: &str| format!("{SPOT}{more}");
+    let sun = |more: &str| format!("{SUN}{more}");
+    let cases: &[(&str, &str)] = &[
+        // Unknown keys.
+        ("[gather]\ninterleve = 2", "x.toml:2: gather.interleve: unknown key; did you mean \"interleave\"?"),
+        ("[gahter]\ninterleave = 2", "x.toml:1: gahter: unknown key; did you mean \"gather\"?"),
+        ("\n\ngather.interleve = 2", "x.toml:3: gather.interleve: unknown key; did you mean \"interleave\"?"),
+        (
+            "gather = { method = \"per-pixel\", min-distance = 1 }",
+            "x.toml:1: gather.min-distance: unknown key; did you mean \"min_distance\"?",
+        ),
+        ("[vpls]\ninterleave = 2", "x.toml:2: vpls.interleave: unknown key; did you mean \"gather.interleave\"?"),
+        ("[vpls]\nwhatever = 2", "x.toml:2: vpls.whatever: unknown key; known here are sampler, count"),
+        ("\"gather.interleave\" = 2", "x.toml:1: \"gather.interleave\": unknown key"),
+        ("\"\" = 2", "x.toml:1: \"\": unknown key"),
+        ("\"a\\nb\" = 2", "x.toml:1: \"a\\nb\": unknown key"),
+        (&spot("intensty = [1, 1, 1]"), "x.toml:6: light.0.intensty: unknown key; did you mean \"intensity\"?"),
+        (&format!("{SUN}{SPOT}postion = [1, 1, 1]"), "x.toml:10: light.1.postion: unknown key; did you mean \"position\"?"),
+        ("[rsm.box]\nmin = [0, 0, 0]\nmx = [1, 1, 1]", "x.toml:3: rsm.box.mx: unknown key; did you mean \"max\"?"),
+        // Wrong types.
+        ("[vpls]\ncount = \"abc\"", "x.toml:2: vpls.count: expects a whole number, found a string \"abc\""),
+        ("[vpls]\ncount = 1.5", "x.toml:2: vpls.count: expects a whole number, found the number 1.5"),
+        ("gather = 3", "x.toml:1: gather: expects a table, found the whole number 3"),
+        ("[[gather]]", "x.toml:1: gather: expects a table, found a list of 1"),
+        ("[light]\nkind = \"spot\"", "x.toml:1: light: expects a list of tables, found a table"),
+        ("light = [3]", "x.toml:1: light.0: expects a table, found the whole number 3"),
+        ("[frame]\nsize = 512", "x.toml:2: frame.size: expects [width, height], two whole numbers, found the whole number 512"),
+        ("[frame]\nsize = [1, 2, 3]", "x.toml:2: frame.size: expects [width, height], two whole numbers, found a list of 3"),
+        ("[frame]\nsize = [1, 2.5]", "x.toml:2: frame.size: expects [width, height], two whole numbers, found the number 2.5 in it"),
+        ("[compose]\nexposure = true", "x.toml:2: compose.exposure: expects a number, found the boolean true"),
+        ("[compose]\nexposure = 1979-05-27", "x.toml:2: compose.exposure: expects a number, found a date or time"),
+        ("[gather]\nmethod = 1", "x.toml:2: gather.method: expects a name, found the whole number 1"),
+        ("[output]\nlayers = \"depth\"", "x.toml:2: output.layers: expects a list of names, found a string \"depth\""),
+        (
+            "[camera]\nposition = [0, 1]\ntarget = [0, 0, 0]",
+            "x.toml:2: camera.position: expects [x, y, z], three numbers, found a list of 2",
+        ),
+        ("[scene]\nfile = \"a.glb\"\nscene = 1.5", "x.toml:3: scene.scene: expects an index or a name, found the number 1.5"),
+        ("[scene]\nfile = \"\"", "x.toml:2: scene.file: is empty"),
+        ("base = 3", "x.toml:1: base: expects the path of a config, found the whole number 3"),
+        // Out of range.
+        ("[frame]\nsize = [0, 5]", "x.toml:2: frame.size: 0 is out of range, expected 1 to 16384"),
+        ("[frame]\nsize = [\n  640,\n  99999\n]", "x.toml:4: frame.size: 99999 is out of range, expected 1 to 16384"),
+        ("[frame]\ncount = 0", "x.toml:2: frame.count: 0 is out of range, expected 1 to 1000000"),
+        ("[frame]\nseed = -1", "x.toml:2: frame.seed: -1 is out of range, expected 0 to 4294967295"),
+        ("[frame]\nseed = 9223372036854775807", "x.toml:2: frame.seed: 9223372036854775807 is out of range"),
+        ("[frame]\nseed = 92233720368547758079", "x.toml:2: frame.seed: expects a whole number, found a whole number beyond 64 bits"),
+        ("[frame]\nfps = 0", "x.toml:2: frame.fps: 0 is out of range, expected over 0"),
+        ("[gather]\ninterleave = 3", "x.toml:2: gather.interleave: 3 is out of range, expected 1, 2, 4, 8"),
+        ("[gather]\nmin_distance = nan", "x.toml:2: gather.min_distance: NaN is out of range, expected 0 to 1e6"),
+        ("[gather]\nmin_distance = -0.1", "x.toml:2: gather.min_distance: -0.1 is out of range"),
+        ("[compose]\nexposure = inf", "x.toml:2: compose.exposure: inf is out of range, expected over 0 to 1e9"),
+        ("[compose]\nexposure = 1e-60", "x.toml:2: compose.exposure: 1e-60 is out of range, expected over 0 to 1e9"),
+        ("[filter]\nnormal_threshold_deg = 0", "x.toml:2: filter.normal_threshold_deg: 0 is out of range, expected over 0 to 90"),
+        ("[filter]\nradius = 33", "x.toml:2: filter.radius: 33 is out of range, expected 1 to 32"),
+        ("[direct]\nblur = 9", "x.toml:2: direct.blur: 9 is out of range, expected 0 to 8"),
+        ("[rsm]\nsize = [8193, 1]", "x.toml:2: rsm.size: 8193 is out of range, expected 1 to 8192"),
+        ("[vpls]\ncount = 1048577", "x.toml:2: vpls.count: 1048577 is out of range, expected 1 to 1048576"),
+        ("[scene]\ntriangles = 9_999", "x.toml:2: scene.triangles: 9999 is out of range, expected 10000 to 8000000"),
+        ("[scene]\nfile = \"a.glb\"\nscene = -1", "x.toml:3: scene.scene: -1 is out of range, expected 0 and more, or text"),
+        ("[camera]\nfov_y_deg = 171", "x.toml:2: camera.fov_y_deg: 171 is out of range, expected 1 to 170"),
+        ("[camera]\nposition = [0, inf, 0]\ntarget = [0, 0, 0]", "x.toml:2: camera.position: inf is out of range, expected -1e7 to 1e7"),
+        ("[camera]\nup = [0, 0, 0]", "x.toml:2: camera.up: [0, 0, 0] has no direction"),
+        ("[camera]\nup = [0, 1e-300, 0]", "x.toml:2: camera.up: [0, 0, 0] has no direction"),
+        (&spot("outer_deg = 0.1"), "x.toml:6: light.0.outer_deg: 0.1 is out of range, expected over 0.1 to 80"),
+        (&SUN.replace("[1, 1, 1]", "[1, -1, 1]"), "x.toml:4: light.0.irradiance: -1 is out of range, expected 0 to 1e9"),
+        (&SUN.replace("[0, -1, 0]", "[0, 0, 0]"), "x.toml:3: light.0.direction: [0, 0, 0] has no direction"),
+        // Unknown names.
+        (
+            "[compose]\ntonemap = \"rheinhard\"",
+            "x.toml:2: compose.tonemap: unknown value \"rheinhard\", expected one of \"reinhard\", \"none\"; did you mean \"reinhard\"?",
+        ),
+        ("[direct]\nshadows = \"percentage_closer\"", "did you mean \"percentage-closer\"?"),
+        ("[gather]\nmethod = \"splat\"", "x.toml:2: gather.method: unknown value \"splat\", expected \"per-pixel\""),
+        ("[output]\nlayers = [\"depth\", \"norml\"]", "x.toml:2: output.layers.1: unknown value \"norml\", expected one of \"direct\""),
+        ("[output]\nlayers = [\"depth\", \"depth\"]", "x.toml:2: output.layers.1: \"depth\" is there twice"),
+        (
+            "[[light]]\nkind = \"sun\"",
+            "x.toml:2: light.0.kind: unknown value \"sun\", expected one of \"directional\", \"spot\", \"point\", \"environment\"",
+        ),
+        ("[[light]]\nkind = 3", "x.toml:2: light.0.kind: expects a name, found the whole number 3"),
+        // TOML itself.
+        ("\u{feff}\r\n[gather]\r\ninterleave = 3\r\n", "x.toml:3: gather.interleave: 3 is out of range"),
+        ("[gather]\ninterleave = = 2", "x.toml:2, column 14: not valid TOML: "),
+        ("[gather\n", "x.toml:1, column 8: not valid TOML: "),
+        ("[gather]\ninterleave = 2\ninterleave = 4", "x.toml:3, column 1: not valid TOML: duplicate key"),
+        (&deep, "x.toml:1, column"),
+        // Keys that exclude or need each other.
+        ("[scene]\nfile = \"a.glb\"\nbuiltin = \"atrium\"", "x.toml:2: scene.file: excludes scene.builtin; give one of them"),
+        ("[scene]\nscene = 1", "x.toml:2: scene.scene: only a glTF file has scenes to choose from; give scene.file"),
+        ("[scene]\nbuiltin = \"cornell\"\ntriangles = 20000", "x.toml:3: scene.triangles: only the built-in atrium has this knob"),
+        ("[scene]\nfile = \"a.glb\"\nseed = 1", "x.toml:3: scene.seed: only the built-in atrium has this knob"),
+        ("[camera]\nnode = \"a\"", "x.toml:2: camera.node: only a glTF file has named cameras"),
+        ("scene.file = \"a.glb\"\n[camera]\nnode = \"a\"\nup = [0, 1, 0]", "x.toml:4: camera.up: excludes camera.node"),
+        ("[camera]\nposition = [0, 0, 0]", "x.toml:2: camera.position: needs camera.target"),
+        ("[camera]\nposition = [1, 2, 3]\ntarget = [1, 2, 3]", "x.toml:3: camera.target: is the camera's own position"),
+        ("[camera]\nposition = [1, 2, 3]\ntarget = [1, 0, 3]", "x.toml:3: camera.target: lies straight along camera.up"),
+        (
+            "[camera]\nkeyframes = [\n  { time = 1, position = [0, 0, 0], target = [0, 0, 1] },\n  { time = 1, position = [0, 0, 0], target = [0, 0, 1] },\n]",
+            "x.toml:4: camera.keyframes.1.time: 1 is not after the keyframe before it, at 1",
+        ),
+        ("[[camera.keyframes]]\ntime = 1\ntarget = [0, 0, 0]", "x.toml:1: camera.keyframes.0: needs position"),
+        (
+            "[camera]\nposition = [0, 0, 0]\ntarget = [0, 0, 1]\n[[camera.keyframes]]\ntime = 0\nposition = [0, 0, 0]\ntarget = [0, 0, 1]",
+            "camera.keyframes: excludes camera.position",
+        ),
+        ("\n[[light]]\nposition = [0, 0, 0]", "x.toml:2: light.0: needs kind, one of \"directional\""),
+        ("\n[[light]]\nkind = \"spot\"", "x.toml:2: light.0: a spot light needs position"),
+        ("[[light]]\nkind = \"environment\"", "x.toml:1: light.0: an environment light needs radiance"),
+        ("[[light]]\nkind = \"directional\"\nirradiance = [1, 1, 1]", "x.toml:1: light.0: needs direction or target"),
+        (&spot("direction = [0, -1, 0]"), "x.toml:4: light.0.target: excludes direction; give one of them"),
+        (&spot("irradiance = [1, 1, 1]"), "x.toml:6: light.0.irradiance: a spot light has no irradiance; give intensity"),
+        (&sun("intensity = [1, 1, 1]"), "x.toml:5: light.0.intensity: a directional light has no intensity; give irradiance"),
+        (&sun("outer_deg = 20"), "x.toml:5: light.0.outer_deg: a directional light has no outer_deg"),
+        (&sun("position = [0, 1, 0]"), "x.toml:5: light.0.position: a directional light has a position only together with target"),
+        (&spot("inner_deg = 20\nouter_deg = 10"), "x.toml:6: light.0.inner_deg: 20 is more than outer_deg, 10"),
+        (&SPOT.replace("[0, 0, 0]", "[0, 3, 0]"), "x.toml:4: light.0.target: is the light's own position"),
+        (
+            &spot("keyframes = [{ time = 0, direction = [0, 0, 1] }]"),
+            "x.toml:6: light.0.keyframes.0.direction: the light is aimed by target",
+        ),
+        (
+            &spot("keyframes = [{ time = 0, irradiance = [0, 0, 1] }]"),
+            "x.toml:6: light.0.keyframes.0.irradiance: a spot light has no irradiance; give intensity",
+        ),
+        (&spot("[[light.keyframes]]\nposition = [0, 0, 0]"), "x.toml:6: light.0.keyframes.0: needs time"),
+        (
+            &sun("keyframes = [{ time = 0, position = [0, 0, 1] }]"),
+            "x.toml:5: light.0.keyframes.0.position: a directional light has a position only",
+        ),
+        ("[rsm.box]\nmin = [0, 0, 0]", "x.toml:1: rsm.box: needs max"),
+        ("[rsm.box]\nmin = [0, 1, 0]\nmax = [1, 1, 1]", "x.toml:1: rsm.box: min must be less than max on every axis"),
+    ];
+    for (text, expected) in cases {
+        match parse(text, &[]) {
+            Ok(_) => panic!("accepted:\n{text}"),
+            Err(error) => assert!(error.contains(expected), "for\n{text}\nexpected {expected}\nfound    {error}"),
+        }
+    }
+}
+
+#[test]
+fn overrides_are_refused_with_the_option_as_their_place() {
+    let cases: &[(&str, &str, &str)] = &[
+        ("", "gather.interleve=2", "--set gather.interleve=2: gather.interleve: unknown key; did you mean \"interleave\"?"),
+        ("", "gather.interleave=3", "--set gather.interleave=3: gather.interleave: 3 is out of range"),
+        ("", "gather.method=splat", "--set gather.method=splat: gather.method: unknown value \"splat\""),
+        ("", "gather.method", "--set \"gather.method\": expects key=value"),
+        ("", "=2", "--set =2: expects a dotted key"),
+        ("", "gather..interleave=2", "--set gather..interleave=2: expects a dotted key"),
+        ("gather.interleave = 2", "gather.interleave.x=2", "gather.interleave: is no table, it has no key \"x\""),
+        ("", "base=x.toml", "--set base=x.toml: base: only a file has a base"),
+        (SPOT, "light.1.intensity=[1, 1, 1]", "light: has one entry, 0, and none called \"1\""),
+        ("", "light.0.intensity=[1, 1, 1]", "--set light.0.intensity=[1, 1, 1]: light: expects a list of tables"),
+        (SPOT, "light.0.intensity=[1, 1", "light.0.intensity: expects [red, green, blue], three numbers, found a string \"[1, 1\""),
+        (SPOT, "light.0.kind=point", "x.toml:4: light.0.target: a point light has no target"),
+        ("", "a\nb=1", "--set a\\nb=1: \"a\\nb\": unknown key"),
+    ];
+    for (text, set, expected) in cases {
+        let error = parse(text, &[set]).expect_err(set);
+        assert!(error.contains(expected), "for {set}\nexpected {expected}\nfound    {error}");
+    }
+}
+
+#[test]
+fn overrides_are_toml_or_bare_strings_and_the_last_one_wins() {
+    let config = parse(
+        SPOT,
+        &[
+            "gather.method=per-pixel",
+            "gather.interleave = 2",
+            "gather.interleave=8",
+            "frame.size=[64, 32]",
+            "light.0.intensity=[1, 2, 3]",
+            "light.0.intensity.1=5",
+            "light.0.direction=[0, -1, 0]",
+            "compose.tonemap=\"none\"",
+            "output.layers=[]",
+            "filter={ kind = \"none\" }",
+            "camera.fov_y_deg=40",
+        ],
+    )
+    .unwrap();
+    assert_eq!(config.gather.interleave, 8);
+    assert_eq!(config.frame.size, [64, 32]);
+    assert_eq!(config.compose.tonemap, Tonemap::None);
+    assert_eq!(config.output.layers, []);
+    assert_eq!(config.filter, FilterConfig { kind: FilterKind::None, ..Default::default() });
+    assert_eq!(config.camera.unwrap().fov_y_deg, Some(40.0));
+    let LightConfig::Spot { direction, target, intensity, .. } = &config.light[0] else { panic!("a spot light") };
+    assert_eq!((*direction, *target, *intensity), (Some([0.0, -1.0, 0.0]), None, [1.0, 5.0, 3.0]));
+    assert_eq!(parse(SPOT, &["light=[]"]).unwrap().light, []);
+}
+
+#[test]
+fn a_config_lies_over_its_base_key_by_key_and_a_list_replaces_a_list() {
+    let folder = Folder::new(
+        "base",
+        &[
+            ("presets/far.toml", "[scene]\nbuiltin = \"atrium\"\ntriangles = 50000\n[gather]\ninterleave = 8\nmin_distance = 0.1\n"),
+            ("presets/near.toml", &format!("base = \"far.toml\"\n[gather]\nmin_distance = 0.2\n{SUN}{SPOT}")),
+            ("top.toml", "base = \"presets/near.toml\"\n[vpls]\ncount = 64\n[[light]]\nkind = \"environment\"\nradiance = [1, 1, 1]\n"),
+        ],
+    );
+    let config = folder.load("top.toml", &[]).unwrap();
+    assert_eq!((config.gather.interleave, config.gather.min_distance, config.vpls.count), (8, 0.2, 64));
+    assert_eq!(config.scene.triangles, 50_000);
+    assert_eq!(config.light, [LightConfig::Environment { radiance: [1.0; 3] }]);
+    assert_eq!(folder.load("top.toml", &["scene.builtin=cornell"]).unwrap().scene.builtin, Some(Builtin::Cornell));
+}
+
+#[test]
+fn a_key_displaces_what_it_excludes_in_a_base() {
+    let camera = "[camera]\nposition = [0, 0, 0]\ntarget = [0, 0, 1]\nup = [0, 1, 0]\n";
+    let path = "[[camera.keyframes]]\ntime = 0\nposition = [0, 0, 0]\ntarget = [0, 0, 2]\n";
+    let folder = Folder::new(
+        "displaced",
+        &[
+            ("built.toml", "[scene]\nbuiltin = \"atrium\"\ntriangles = 20000\n"),
+            ("box.glb", ""),
+            ("file.toml", "base = \"built.toml\"\n[scene]\nfile = \"box.glb\"\n[camera]\nnode = \"eye\"\n"),
+            ("back.toml", "base = \"file.toml\"\n[scene]\nbuiltin = \"cornell\"\n[camera]\nposition = [0, 0, 0]\ntarget = [0, 0, 1]\n"),
+            ("camera.toml", camera),
+            ("node.toml", "base = \"camera.toml\"\nscene.file = \"box.glb\"\ncamera.node = \"eye\"\n"),
+            ("path.toml", &format!("base = \"camera.toml\"\n{path}")),
+            ("still.toml", &format!("base = \"path.toml\"\n{camera}")),
+        ],
+    );
+    let file = folder.load("file.toml", &[]).unwrap();
+    assert_eq!((file.scene.file.clone(), file.scene.builtin), (Some(folder.0.join("box.glb")), None));
+    let back = folder.load("back.toml", &[]).unwrap();
+    assert_eq!((back.scene.file, back.scene.builtin), (None, Some(Builtin::Cornell)));
+    assert_eq!(back.camera.unwrap().node, None);
+    let node = folder.load("node.toml", &[]).unwrap().camera.unwrap();
+    assert_eq!((node.node.as_deref(), node.position, node.up), (Some("eye"), None, None));
+    let path = folder.load("path.toml", &[]).unwrap().camera.unwrap();
+    assert_eq!((path.keyframes.len(), path.position), (1, None));
+    assert_eq!(folder.load("still.toml", &[]).unwrap().camera.unwrap().keyframes, []);
+    let both = folder.load("file.toml", &["scene.file=box.glb", "scene.builtin=cornell"]).unwrap_err();
+    assert!(both.contains("--set scene.file=box.glb: scene.file: excludes scene.builtin"), "{both}");
+}
+
+#[test]
+fn mistakes_in_a_base_are_found_in_the_base() {
+    let folder = Folder::new(
+        "mistakes",
+        &[
+            ("presets/bad.toml", "# A comment.\n[gather]\ninterleve = 4\n"),
+            ("top.toml", "\n[vpls]\ncount = 4\n"),
+            ("over-bad.toml", "base = \"presets/bad.toml\"\n[gather]\ninterleave = 2\n"),
+            ("range.toml", "base = \"range-base.toml\"\n[filter]\nkind = \"none\"\n"),
+            ("range-base.toml", "[filter]\nradius = 0\n"),
+            ("a.toml", "base = \"b.toml\""),
+            ("b.toml", "\nbase = \"a.toml\""),
+            ("self.toml", "base = \"./self.toml\""),
+            ("lost.toml", "\nbase = \"nowhere.toml\""),
+            ("folder.toml", "base = \"presets\""),
+            ("control.toml", "base = \"a\\nb\\u0000\""),
+            ("syntax.toml", "base = \"broken.toml\""),
+            ("broken.toml", "[gather]\n=\n"),
+            ("scene.toml", "[scene]\nfile = \"nowhere.glb\"\n"),
+            ("huge.toml", &"#".repeat((1 << 20) + 1)),
+        ],
+    );
+    fs::write(folder.0.join("latin.toml"), b"# caf\n[gather] # caf\xe9\n").unwrap();
+    for (index, next) in (0..20).zip(1..) {
+        fs::write(folder.0.join(format!("chain{index}.toml")), format!("base = \"chain{next}.toml\"")).unwrap();
+    }
+    let cases = [
+        ("over-bad.toml", "presets/bad.toml:3: gather.interleve: unknown key; did you mean \"interleave\"?"),
+        ("range.toml", "range-base.toml:2: filter.radius: 0 is out of range"),
+        ("a.toml", "b.toml:2: base: the chain of bases is a circle: a.toml -> b.toml -> a.toml"),
+        ("self.toml", "self.toml:1: base: the chain of bases is a circle: self.toml -> ./self.toml"),
+        ("lost.toml", "lost.toml:2: base: nowhere.toml: there is no such file"),
+        ("folder.toml", "folder.toml:1: base: presets: is not a file"),
+        ("control.toml", "control.toml:1: base: a\\nb\\0: cannot be read"),
+        ("syntax.toml", "broken.toml:2, column 1: not valid TOML"),
+        ("missing.toml", "missing.toml: there is no such file"),
+        ("presets", "presets: is not a file"),
+        ("scene.toml", "scene.toml:2: scene.file: nowhere.glb does not exist"),
+        ("huge.toml", "huge.toml: is larger than 1 MiB"),
+        ("latin.toml", "latin.toml:2: is not UTF-8 text"),
+        ("chain0.toml", "chain15.toml:1: base: the chain of bases is longer than 16 files"),
+    ];
+    for (file, expected) in cases {
+        let error = folder.load(file, &[]).expect_err(file);
+        assert!(error.starts_with(expected), "for {file}\nexpected {expected}\nfound    {error}");
+    }
+}
+
+#[test]
+fn paths_start_from_the_file_that_says_them_and_from_the_current_folder_for_set() {
+    let folder = Folder::new(
+        "paths",
+        &[("models/box.glb", ""), ("models/base.toml", "scene.file = \"box.glb\""), ("runs/top.toml", "base = \"../models/base.toml\"")],
+    );
+    let file = folder.load("runs/top.toml", &[]).unwrap().scene.file.unwrap();
+    assert!(file.is_absolute() && file.ends_with("box.glb") && file.is_file(), "{}", file.display());
+    let here = config::parse("", Path::new("elsewhere/x.toml"), &owned(&["scene.file=box.glb"])).unwrap().scene.file.unwrap();
+    assert_eq!(here, std::env::current_dir().unwrap().join("box.glb"));
+}
+
+/// A config that sets every key that goes with the atrium to something other than its default.
+const FULL: &str = include_str!("fuzz/seeds/config/full.toml");
+
+#[test]
+fn a_resolved_config_is_written_as_toml_that_loads_to_the_same_value() {
+    let texts = [
+        "",
+        FULL,
+        "scene.builtin = \"cornell\"",
+        "scene.file = \"a b.glb\"\nscene.scene = 2\ncamera.node = \"eye\\n\\\"\"",
+        "scene.file = \"a.glb\"\nscene.scene = \"main\"\n[camera]\nposition = [0, 0, 0]\ntarget = [0, 0, 1]",
+        "[camera]\nfov_y_deg = 20",
+        "[output]\nlayers = []",
+    ];
+    for text in texts {
+        let config = parse(text, &[]).unwrap();
+        let saved = to_toml(&config);
+        let again = config::parse(&saved, Path::new("elsewhere/run.toml"), &[]).unwrap_or_else(|error| panic!("{error:#}\n{saved}"));
+        assert_eq!(again, config, "\n{saved}");
+    }
+}
+
+#[test]
+fn the_list_of_keys_is_what_the_types_take() {
+    let file = parse("scene.file = \"a.glb\"\nscene.scene = 2\n[camera]\nnode = \"eye\"", &[]).unwrap();
+    let still = parse("[camera]\nposition = [0, 0, 0]\ntarget = [0, 0, 1]", &[]).unwrap();
+    let mut found: Vec<String> = vec!["base".to_owned()];
+    for config in [&parse(FULL, &[]).unwrap(), &file, &still] {
+        leaves(&toml::Value::try_from(config).unwrap(), String::new(), &mut found);
+    }
+    found.sort();
+    found.dedup();
+    let mut listed: Vec<_> = keys().iter().map(|key| key.key.to_owned()).collect();
+    listed.sort();
+    assert_eq!(found, listed);
+}
+
+/// The keys of a value, lists of tables by `N`.
+fn leaves(value: &toml::Value, path: String, found: &mut Vec<String>) {
+    match value {
+        toml::Value::Table(table) => {
+            for (key, value) in table {
+                leaves(value, if path.is_empty() { key.clone() } else { format!("{path}.{key}") }, found);
+            }
+        }
+        toml::Value::Array(items) if items.iter().any(toml::Value::is_table) => {
+            items.iter().for_each(|item| leaves(item, format!("{path}.N"), found));
+            found.push(path);
+        }
+        _ => found.push(path),
+    }
+}
+
+#[test]
+fn every_default_in_the_list_of_keys_is_accepted_and_changes_nothing() {
+    for key in keys().iter().filter(|key| !key.key.contains(".N.")) {
+        let Some(default) = key.default.as_deref().filter(|text| text.parse::<toml::Value>().is_ok()) else { continue };
+        let config = parse("", &[&format!("{}={default}", key.key)]).unwrap();
+        assert_eq!(Config { camera: None, ..config }, Config::default(), "{} = {default}", key.key);
+    }
+}
+
+#[test]
+fn every_name_in_the_list_of_keys_is_accepted() {
+    let mut names = 0;
+    for key in keys() {
+        let (Kind::Choice(choices) | Kind::Choices(choices)) = key.kind else { continue };
+        assert!(!choices.is_empty(), "{}", key.key);
+        for name in choices.iter().filter(|_| !key.key.contains(".N.")) {
+            let value = if matches!(key.kind, Kind::Choices(_)) { format!("[\"{name}\"]") } else { (*name).to_owned() };
+            parse("", &[&format!("{}={value}", key.key)]).unwrap();
+            names += 1;
+        }
+    }
+    assert!(names >= 20, "{names}");
+}
+
+#[test]
+fn the_table_has_a_row_for_every_key_and_four_columns() {
+    let table = markdown_table();
+    assert_eq!(table.lines().count(), keys().len() + 2);
+    for line in table.lines() {
+        assert_eq!(line.matches('|').count(), 5, "{line}");
+    }
+    assert!(table.contains("| `gather.min_distance` | `0.3` | 0 to 1e6 |"), "{table}");
+}
+
+#[test]
+fn the_configs_that_come_with_the_program_load() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
+    let mut count = 0;
+    for file in fs::read_dir(&folder).unwrap() {
+        let path = file.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            config::load(&path, &[]).unwrap_or_else(|error| panic!("{error:#}"));
+            count += 1;
+        }
+    }
+    assert!(count >= 2, "{count}");
+    let first = config::load(&folder.join("first-light.toml"), &[]).unwrap();
+    assert_eq!((first.scene.builtin, first.frame.size), (Some(Builtin::Atrium), [960, 540]));
+}
