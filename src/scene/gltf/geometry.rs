@@ -5,7 +5,7 @@ use super::materials::{Materials, Used};
 use super::nodes::PlacedMesh;
 use super::triangles::{make_flat, triangulate};
 use super::{File, Warning, Warnings, label, refuse};
-use crate::scene::{Aabb, Draw, Scene, Vertex, pack};
+use crate::scene::{Aabb, Draw, Map, Scene, Vertex, pack, tangents};
 use anyhow::{Context, Result};
 use glam::{Vec3, Vec4};
 use gltf_json::accessor::Accessor;
@@ -77,13 +77,11 @@ struct Builder<'a> {
     triangles: HashMap<IndexKey, Option<Triangles>>,
     /// How many primitives the nodes have shown so far.
     shown: usize,
-    /// Corners of triangles whose tangents are still to be made.
-    corners: usize,
 }
 
-/// Adds all meshes to the scene. Where a normal map needs tangents that the file does not have, they are left at 0.
+/// Adds all meshes to the scene.
 pub fn build(file: &File<'_>, meshes: &[PlacedMesh], materials: &Materials, scene: &mut Scene, warnings: &mut Warnings) -> Result<()> {
-    let mut builder = Builder { file, scene, warnings, vertices: HashMap::new(), triangles: HashMap::new(), shown: 0, corners: 0 };
+    let mut builder = Builder { file, scene, warnings, vertices: HashMap::new(), triangles: HashMap::new(), shown: 0 };
     for placed in meshes {
         let mesh = file.get(placed.mesh, "mesh")?;
         builder.mesh(mesh, placed, materials).with_context(|| label("mesh", placed.mesh.value(), mesh.name.as_ref()))?;
@@ -186,25 +184,23 @@ impl Builder<'_> {
                 triangulate(usize::try_from(count)?, mode, |i| i as u32)
             }
         };
-        let range = match &key.vertices.corners {
-            None => self.shared_vertices(&key.vertices)?,
-            Some(corners) => {
-                let mut vertices = self.read_vertices(&key.vertices)?;
-                if key.vertices.normals.is_none() {
-                    make_flat(&mut vertices, &mut indices);
-                }
-                if corners.material.is_some() {
-                    // Making tangents may split a vertex for each of its triangles.
-                    self.corners += indices.len();
-                }
-                self.append(vertices)?
-            }
-        };
-        if indices.is_empty() {
-            return Ok(None);
+        let mut own = key.vertices.corners.as_ref().map(|_| self.read_vertices(&key.vertices)).transpose()?;
+        if let Some(vertices) = own.as_mut().filter(|_| key.vertices.normals.is_none()) {
+            make_flat(vertices, &mut indices);
         }
         if key.mirrored {
             indices.as_chunks_mut::<3>().0.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
+        }
+        // From the order that the corners have now: that of a mirrored node turns the handedness as well.
+        if let Some((vertices, map)) = own.as_mut().zip(self.map_without_tangents(&key.vertices)) {
+            tangents::fill(vertices, &mut indices, |uv| map.matrix * uv + map.offset);
+        }
+        let range = match own {
+            Some(vertices) => self.append(vertices)?,
+            None => self.shared_vertices(&key.vertices)?,
+        };
+        if indices.is_empty() {
+            return Ok(None);
         }
         let vertices = &self.scene.vertices[range.offset as usize..][..range.count as usize];
         let bounds = Aabb::of(indices.iter().map(|&i| vertices[i as usize].position.into()));
@@ -214,6 +210,11 @@ impl Builder<'_> {
         }
         self.scene.indices.append(&mut indices);
         Ok(Some(Triangles { vertex_offset: range.offset, first_index: first_index as u32, index_count: index_count as u32, bounds }))
+    }
+
+    /// The normal map that vertices need tangents made for.
+    fn map_without_tangents(&self, key: &VertexKey) -> Option<Map> {
+        self.scene.materials[key.corners.as_ref()?.material? as usize].normal_map
     }
 
     /// The range of vertices that primitives of the same attributes share.
@@ -229,7 +230,7 @@ impl Builder<'_> {
 
     fn append(&mut self, mut vertices: Vec<Vertex>) -> Result<Vertices> {
         let (offset, count) = (self.scene.vertices.len(), vertices.len());
-        if offset + count + self.corners > MAX_VERTICES {
+        if offset + count > MAX_VERTICES {
             refuse!("with it, the scene has more than {MAX_VERTICES} vertices");
         }
         self.scene.vertices.append(&mut vertices);
@@ -257,8 +258,7 @@ impl Builder<'_> {
             let tangent = tangents.get(i).map_or(0, |&tangent| {
                 let tangent = Vec4::from(tangent);
                 let direction = tangent.truncate().try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
-                // 0 stands for a tangent that is still to be made.
-                pack::tangent(direction, tangent.w * handedness).max(1)
+                pack::tangent(direction, tangent.w * handedness)
             });
             Vertex {
                 position,

@@ -15,7 +15,7 @@ mod nodes;
 mod textures;
 mod triangles;
 
-use super::{Scene, };
+use super::Scene;
 use anyhow::{Context, Result};
 use buffers::Buffers;
 use gltf_json::{Index, Root};
