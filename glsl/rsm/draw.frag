@@ -5,6 +5,7 @@
 #include "lib/packing.glsl"
 #include "lib/scene.glsl"
 
+layout(constant_id = 0) const bool SEVERAL_LIGHTS = true;
 layout(constant_id = 1) const bool BASE_COLOR_MAP = false;
 layout(constant_id = 2) const bool METALLIC_ROUGHNESS_MAP = false;
 layout(constant_id = 4) const bool MASKED = false;
@@ -12,8 +13,7 @@ layout(constant_id = 4) const bool MASKED = false;
 layout(location = 0) in vec3 in_position;
 layout(location = 1) in vec2 in_uv;
 layout(location = 2) in vec4 in_color;
-layout(location = 3) flat in uint in_material;
-layout(location = 4) flat in uint in_light;
+layout(location = 3) flat in uint in_light;
 
 layout(location = 0) out vec2 normal;
 layout(location = 1) out vec4 flux;
@@ -25,12 +25,12 @@ layout(scalar, push_constant) uniform Params {
 } params;
 
 layout(scalar) readonly buffer Lights { Light at[]; } lights;
-layout(scalar) readonly buffer Materials { Material at[]; } materials;
+layout(scalar) uniform MaterialBlock { Material it; } material_block;
 uniform sampler2DArray base_color_map;
 uniform sampler2DArray metallic_roughness_map;
 
 void main() {
-    Material material = materials.at[in_material];
+    Material material = material_block.it;
     vec4 base = material.base_color * in_color;
     vec3 tint = base.rgb;
     if (BASE_COLOR_MAP) {
@@ -45,7 +45,9 @@ void main() {
         metallic *= texture(metallic_roughness_map, map_coordinates(material.metallic_roughness_map, in_uv), params.albedo_lod).b;
     }
 
-    Light light = lights.at[in_light];
+    uint layer = 0u;
+    if (SEVERAL_LIGHTS) layer = in_light;
+    Light light = lights.at[layer];
     vec3 n = normalize(cross(dFdx(in_position), dFdy(in_position)));
     vec3 to_light = light.kind == DIRECTIONAL ? -light.direction : light.origin - in_position;
     bool lit = gl_FrontFacing || material.double_sided != 0u;

@@ -122,6 +122,9 @@ impl<'g> Commands<'g> {
                 Bound::UniformBuffer(id) | Bound::StorageBuffer(id) => {
                     [vk::DescriptorBufferInfo::default().buffer(memory.buffer(*id).handle).range(vk::WHOLE_SIZE)]
                 }
+                Bound::UniformRange { buffer, offset, bytes } => {
+                    [vk::DescriptorBufferInfo::default().buffer(memory.buffer(*buffer).handle).offset(*offset).range(*bytes)]
+                }
                 _ => [vk::DescriptorBufferInfo::default()],
             })
             .collect();
@@ -148,7 +151,7 @@ impl<'g> Commands<'g> {
             .map(|(i, (binding, bound))| {
                 let write = vk::WriteDescriptorSet::default().dst_binding(*binding);
                 match bound {
-                    Bound::UniformBuffer(_) => write.descriptor_type(vk::DescriptorType::UNIFORM_BUFFER).buffer_info(&buffers[i]),
+                    Bound::UniformBuffer(_) | Bound::UniformRange { .. } => write.descriptor_type(vk::DescriptorType::UNIFORM_BUFFER).buffer_info(&buffers[i]),
                     Bound::StorageBuffer(_) => write.descriptor_type(vk::DescriptorType::STORAGE_BUFFER).buffer_info(&buffers[i]),
                     Bound::SampledImage { .. } => write.descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER).image_info(&images[i]),
                     Bound::StorageImage { .. } => write.descriptor_type(vk::DescriptorType::STORAGE_IMAGE).image_info(&images[i]),

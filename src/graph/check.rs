@@ -25,10 +25,16 @@ pub(super) fn bindings(graph: &Graph, pass: &Pass, list: Option<&DrawList>, bind
         }
         kind(graph, used, binding).with_context(|| format!("pass {}: {:?}", pass.name, used.binding))?;
     }
+    for block in list.iter().flat_map(|list| &list.blocks) {
+        if let Some((_, Binding { kind: BindingKind::UniformBlock(layout), .. })) = bindings.get(block.binding) {
+            block.element.check(layout).with_context(|| format!("pass {}: {:?}", pass.name, block.binding))?;
+        }
+    }
     for name in bindings.keys() {
         let declared = pass.uses.iter().any(|used| used.binding == name);
         let textured = list.is_some_and(|list| list.textures.iter().any(|(binding, ..)| binding == name));
-        if !declared && !textured {
+        let listed = list.is_some_and(|list| list.blocks.iter().any(|block| block.binding == name));
+        if !declared && !textured && !listed {
             bail!("pass {}: the shader uses {name:?}, the pass does not declare it", pass.name);
         }
     }

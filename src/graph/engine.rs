@@ -363,6 +363,12 @@ impl Engine {
                 bound.push((*number, Bound::SampledImage { image: *image, array: true, sampler: *sampler }));
             }
         }
+        for block in list.iter().flat_map(|list| &list.blocks) {
+            if let Some((number, _)) = bindings.get(block.binding) {
+                let bytes = block.element.bytes as u64;
+                bound.push((*number, Bound::UniformRange { buffer: block.buffer, offset: block.offset, bytes }));
+            }
+        }
         Ok(Step { pipeline, bound })
     }
 

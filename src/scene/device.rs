@@ -1,12 +1,13 @@
 //! A scene on the device: one vertex and one index buffer, draws and materials in storage buffers, textures in arrays.
 //!
-//! Textures of one size and kind share an image array. Draws whose materials use the same arrays with the same samplers form a
-//! [`Bucket`]: one indirect draw, with its maps bound once and the shader specialised to what it has.
+//! Textures of one size and kind share an image array. Draws of one material form a [`Bucket`]:
+//! one indirect draw, with its numbers and its maps bound once and the shader specialised to what it has. That is what makes
+//! them uniform to the shader: on a software driver, a fifth of a map's time.
 
 use super::{Aabb, Filter, Map, Material, Scene, Wrap};
 use crate::fail;
 use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, Wrapping};
-use crate::graph::{Buffer, DrawList, Graph};
+use crate::graph::{Buffer, DrawList, Graph, ListBlock};
 use crate::shader_struct;
 use anyhow::Result;
 use rayon::prelude::*;
@@ -43,6 +44,8 @@ shader_struct! {
         pub metallic_roughness_map: [f32; 7],
         pub emission_map: [f32; 7],
         pub normal_map: [f32; 7],
+        /// To 256 bytes, so that each can be bound as a uniform block on every device.
+        pub padding: [u32; 22],
     }
 }
 
@@ -61,11 +64,14 @@ pub enum Maps {
     All = 4,
 }
 
-/// What draws must share to be drawn in one go.
+/// What draws share that are drawn in one go. Pipelines depend on all but the material's number.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 struct BucketKey {
+    /// What is solid comes first, and spares what is behind it the shading.
     masked: bool,
     double_sided: bool,
+    /// Bound as a uniform block: its numbers are the same for all that is drawn.
+    material: u32,
     /// Image array and sampling of each map.
     maps: [Option<(usize, (Wrap, Wrap, Filter))>; 4],
 }
@@ -90,7 +96,6 @@ pub struct DeviceScene {
     draws: BufferId,
     draw_count: u32,
     materials: BufferId,
-    material_count: u32,
     arrays: Vec<ImageId>,
     /// One white texel, for maps that a bucket does not have.
     blank: ImageId,
@@ -101,7 +106,6 @@ pub struct DeviceScene {
 #[derive(Debug, Clone, Copy)]
 pub struct SceneHandles {
     pub draws: Buffer,
-    pub materials: Buffer,
 }
 
 impl DeviceScene {
@@ -143,7 +147,6 @@ impl DeviceScene {
             draws: gpu.create_filled_buffer("scene/draws", bytemuck::cast_slice(&draws))?,
             draw_count: draws.len() as u32,
             materials: gpu.create_filled_buffer("scene/materials", bytemuck::cast_slice(&materials))?,
-            material_count: materials.len() as u32,
             arrays,
             blank: gpu.create_texture_array("scene/blank", Format::Rgba8Unorm, [1, 1], &[&[255; 4]])?,
             buckets,
@@ -154,7 +157,6 @@ impl DeviceScene {
     pub fn import(&self, g: &mut Graph) -> SceneHandles {
         SceneHandles {
             draws: g.import_buffer::<DrawData>("scene/draws", self.draws, self.draw_count),
-            materials: g.import_buffer::<MaterialData>("scene/materials", self.materials, self.material_count),
         }
     }
 
@@ -193,6 +195,7 @@ impl DeviceScene {
         }
         DrawList {
             textures,
+            blocks: vec![ListBlock::of::<MaterialData>("material_block", self.materials, key.material)],
             constants,
             // The light's view keeps back faces: they stop light, whatever they show to the camera.
             cull_back: !key.double_sided && maps == Maps::All,
@@ -262,6 +265,7 @@ fn material_data(material: &Material, places: &Places) -> MaterialData {
         metallic_roughness_map,
         emission_map,
         normal_map,
+        padding: [0; 22],
     }
 }
 
@@ -271,6 +275,7 @@ fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
     for (number, (draw, bounds)) in scene.draws.iter().zip(&bounds).enumerate() {
         let material = &scene.materials[draw.material as usize];
         let key = BucketKey {
+            material: draw.material,
             masked: material.alpha_cutoff.is_some(),
             double_sided: material.double_sided,
             maps: maps(material).map(|map| map.map(|m| (places[m.texture as usize].0, (m.wrap_u, m.wrap_v, m.filter)))),

@@ -38,7 +38,6 @@ pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, view: &Vi
     g.raster("gbuffer/draw")
         .reads("view", gbuffer.view)
         .reads("draws", handles.draws)
-        .reads("materials", handles.materials)
         .color("normal", gbuffer.normal, [0.0; 4])
         .color("albedo", gbuffer.albedo, [0.0; 4])
         .color("metallic_roughness", gbuffer.metallic_roughness, [0.0; 4])

@@ -47,7 +47,7 @@ pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &
     g.raster("rsm/draw")
         .reads("lights", rsm.lights)
         .reads("draws", handles.draws)
-        .reads("materials", handles.materials)
+        .constant("SEVERAL_LIGHTS", layers > 1)
         .params(&RsmParams {
             texel_size: [2.0 / size[0] as f32, 2.0 / size[1] as f32],
             albedo_lod: (0.5 * texels_per_vpl.log2()).max(0.0) as f32,
