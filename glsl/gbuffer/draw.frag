@@ -9,6 +9,7 @@ layout(constant_id = 1) const bool BASE_COLOR_MAP = false;
 layout(constant_id = 2) const bool METALLIC_ROUGHNESS_MAP = false;
 layout(constant_id = 3) const bool EMISSION_MAP = false;
 layout(constant_id = 4) const bool MASKED = false;
+layout(constant_id = 5) const bool VERTEX_COLOR = false;
 
 layout(location = 0) in vec3 in_normal;
 layout(location = 1) in vec2 in_uv;
@@ -28,7 +29,8 @@ uniform sampler2DArray normal_map;
 
 void main() {
     Material material = material_block.it;
-    vec4 base = material.base_color * in_color;
+    vec4 base = material.base_color;
+    if (VERTEX_COLOR) base *= in_color;
     if (BASE_COLOR_MAP) base *= texture(base_color_map, map_coordinates(material.base_color_map, in_uv));
     if (MASKED && base.a < material.alpha_cutoff) discard;
 

@@ -6,6 +6,7 @@
 #include "lib/view.glsl"
 
 layout(constant_id = 0) const bool NORMAL_MAP = false;
+layout(constant_id = 5) const bool VERTEX_COLOR = false;
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec2 normal;
@@ -32,7 +33,8 @@ void main() {
     gl_Position = view.it.view_projection * vec4(transform * vec4(position, 1.0), 1.0);
     out_normal = cofactor * octahedral_inverse(normal) * orientation;
     out_uv = uv;
-    out_color = color;
+    out_color = vec4(1.0);
+    if (VERTEX_COLOR) out_color = color;
     out_tangent = vec4(0.0);
     if (NORMAL_MAP) {
         vec4 t = tangent_inverse(tangent);

@@ -17,6 +17,8 @@ const uint DIRECTIONAL = 0u;
 const uint SPOT_BY_ANGLE = 1u;
 const uint SPOT_BY_COSINE = 2u;
 const uint POINT_FACE = 3u;
+// Not a light's kind: a shader's constant, where its lights are of more than one.
+const uint MIXED = 4u;
 
 // How a spot light falls off at the angle whose cosine to the axis is given.
 float spot_falloff(Light light, float cosine) {

@@ -9,11 +9,12 @@ layout(constant_id = 0) const bool SEVERAL_LIGHTS = true;
 layout(constant_id = 1) const bool BASE_COLOR_MAP = false;
 layout(constant_id = 2) const bool METALLIC_ROUGHNESS_MAP = false;
 layout(constant_id = 4) const bool MASKED = false;
+layout(constant_id = 5) const bool VERTEX_COLOR = false;
+layout(constant_id = 6) const uint LIGHT_KIND = 4; // of all lights, or MIXED
 
-layout(location = 0) in vec3 in_position;
-layout(location = 1) in vec2 in_uv;
-layout(location = 2) in vec4 in_color;
-layout(location = 3) flat in uint in_light;
+layout(location = 0) in vec2 in_uv;
+layout(location = 1) in vec4 in_color;
+layout(location = 2) flat in uint in_light;
 
 layout(location = 0) out vec2 normal;
 layout(location = 1) out vec4 flux;
@@ -31,7 +32,8 @@ uniform sampler2DArray metallic_roughness_map;
 
 void main() {
     Material material = material_block.it;
-    vec4 base = material.base_color * in_color;
+    vec4 base = material.base_color;
+    if (VERTEX_COLOR) base *= in_color;
     vec3 tint = base.rgb;
     if (BASE_COLOR_MAP) {
         vec3 coordinates = map_coordinates(material.base_color_map, in_uv);
@@ -48,10 +50,13 @@ void main() {
     uint layer = 0u;
     if (SEVERAL_LIGHTS) layer = in_light;
     Light light = lights.at[layer];
-    vec3 n = normalize(cross(dFdx(in_position), dFdy(in_position)));
-    vec3 to_light = light.kind == DIRECTIONAL ? -light.direction : light.origin - in_position;
+    if (LIGHT_KIND != MIXED) light.kind = LIGHT_KIND;
+    vec2 ndc = gl_FragCoord.xy * params.texel_size - 1.0;
+    vec3 position = light_position(light, ndc, gl_FragCoord.z);
+    vec3 n = normalize(cross(dFdx(position), dFdy(position)));
+    vec3 to_light = light.kind == DIRECTIONAL ? -light.direction : light.origin - position;
     bool lit = gl_FrontFacing || material.double_sided != 0u;
     normal = octahedral(dot(n, to_light) < 0.0 ? -n : n);
-    flux = vec4(texel_flux(light, gl_FragCoord.xy * params.texel_size - 1.0), 1.0);
+    flux = vec4(texel_flux(light, ndc), 1.0);
     albedo = vec4(lit ? tint * (1.0 - metallic) : vec3(0.0), 1.0);
 }

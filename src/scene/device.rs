@@ -4,7 +4,7 @@
 //! one indirect draw, with its numbers and its maps bound once and the shader specialised to what it has. That is what makes
 //! them uniform to the shader: on a software driver, a fifth of a map's time.
 
-use super::{Aabb, Filter, Map, Material, Scene, Wrap};
+use super::{Aabb, Draw, Filter, Map, Material, Scene, Wrap};
 use crate::fail;
 use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, Wrapping};
 use crate::graph::{Buffer, DrawList, Graph, ListBlock};
@@ -70,6 +70,7 @@ struct BucketKey {
     /// What is solid comes first, and spares what is behind it the shading.
     masked: bool,
     double_sided: bool,
+    colored: bool,
     /// Bound as a uniform block: its numbers are the same for all that is drawn.
     material: u32,
     /// Image array and sampling of each map.
@@ -91,6 +92,8 @@ struct PlacedDraw {
 pub struct DeviceScene {
     pub bounds: Aabb,
     pub triangles: u64,
+    /// Whether some material is, or by a map may be, metallic.
+    pub has_metals: bool,
     vertices: BufferId,
     indices: BufferId,
     draws: BufferId,
@@ -142,6 +145,7 @@ impl DeviceScene {
         Ok(Self {
             bounds,
             triangles: scene.triangle_count(),
+            has_metals: scene.materials.iter().any(|material| material.metallic > 0.0),
             vertices: gpu.create_filled_buffer("scene/vertices", bytemuck::cast_slice(&scene.vertices))?,
             indices: gpu.create_filled_buffer("scene/indices", bytemuck::cast_slice(&scene.indices))?,
             draws: gpu.create_filled_buffer("scene/draws", bytemuck::cast_slice(&draws))?,
@@ -181,7 +185,7 @@ impl DeviceScene {
 
     fn draw_list(&self, key: &BucketKey, arguments: Buffer, first: u32, count: u32, maps: Maps) -> DrawList {
         let has = maps as usize;
-        let mut constants = vec![("MASKED", u32::from(key.masked))];
+        let mut constants = vec![("MASKED", u32::from(key.masked)), ("VERTEX_COLOR", u32::from(key.colored))];
         let mut textures = Vec::new();
         for (map, (binding, constant)) in key.maps.iter().zip(MAPS).take(has) {
             constants.push((constant, u32::from(map.is_some())));
@@ -270,14 +274,16 @@ fn material_data(material: &Material, places: &Places) -> MaterialData {
 }
 
 fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
-    let bounds: Vec<Aabb> = scene.draws.par_iter().map(|draw| scene.draw_bounds(draw)).collect();
+    let colored = |draw: &Draw| scene.draw_vertices(draw).any(|vertex| vertex.color != u32::MAX);
+    let facts: Vec<(Aabb, bool)> = scene.draws.par_iter().map(|draw| (scene.draw_bounds(draw), colored(draw))).collect();
     let mut buckets: BTreeMap<BucketKey, Vec<PlacedDraw>> = BTreeMap::new();
-    for (number, (draw, bounds)) in scene.draws.iter().zip(&bounds).enumerate() {
+    for (number, (draw, (bounds, colored))) in scene.draws.iter().zip(&facts).enumerate() {
         let material = &scene.materials[draw.material as usize];
         let key = BucketKey {
             material: draw.material,
             masked: material.alpha_cutoff.is_some(),
             double_sided: material.double_sided,
+            colored: *colored,
             maps: maps(material).map(|map| map.map(|m| (places[m.texture as usize].0, (m.wrap_u, m.wrap_v, m.filter)))),
         };
         let arguments = DrawArguments {
@@ -289,7 +295,7 @@ fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
         };
         buckets.entry(key).or_default().push(PlacedDraw { arguments, bounds: *bounds });
     }
-    let all = bounds.into_iter().fold(Aabb::EMPTY, Aabb::union);
+    let all = facts.iter().fold(Aabb::EMPTY, |all, (bounds, _)| all.union(*bounds));
     (buckets.into_iter().map(|(key, draws)| Bucket { key, draws }).collect(), all)
 }
 

@@ -198,6 +198,15 @@ impl Projector {
         }
     }
 
+    /// Stands for more than one kind of light.
+    pub const MIXED: u32 = 4;
+
+    /// The kind of all of these, or [`Self::MIXED`].
+    pub fn common_kind(lights: &[Self]) -> u32 {
+        let first = lights.first().map_or(Self::MIXED, |light| light.kind);
+        if lights.iter().all(|light| light.kind == first) { first } else { Self::MIXED }
+    }
+
     /// Whether some of a box may be in the map.
     pub fn sees(&self, bounds: Aabb) -> bool {
         sees(&self.world_to_clip, bounds)

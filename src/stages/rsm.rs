@@ -12,6 +12,8 @@ pub struct Rsm {
     /// The projectors, one a layer.
     pub lights: Buffer,
     pub layers: u32,
+    /// The lights' common kind as in [`Projector::kind`], or [`Projector::MIXED`].
+    pub kind: u32,
     pub size: [u32; 2],
     pub depth: Image,
     /// Geometric normal, turned to the light; octahedral.
@@ -36,6 +38,7 @@ pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &
     let rsm = Rsm {
         lights: g.upload("lights", lights),
         layers,
+        kind: Projector::common_kind(lights),
         size,
         depth: g.layered_image("rsm/depth", Format::Depth32, size, layers),
         normal: g.layered_image("rsm/normal", Format::Rg16Snorm, size, layers),
@@ -48,6 +51,7 @@ pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &
         .reads("lights", rsm.lights)
         .reads("draws", handles.draws)
         .constant("SEVERAL_LIGHTS", layers > 1)
+        .constant("LIGHT_KIND", rsm.kind)
         .params(&RsmParams {
             texel_size: [2.0 / size[0] as f32, 2.0 / size[1] as f32],
             albedo_lod: (0.5 * texels_per_vpl.log2()).max(0.0) as f32,
