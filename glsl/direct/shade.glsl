@@ -19,7 +19,7 @@ layout(scalar, push_constant) uniform Params {
 } params;
 
 layout(scalar) uniform ViewBlock { View it; } view;
-layout(scalar) readonly buffer Lights { Light at[]; } lights;
+layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
 uniform sampler2D depth;
 uniform sampler2D normal;
 uniform sampler2D albedo;

@@ -17,15 +17,14 @@ layout(location = 1) in vec4 in_color;
 layout(location = 2) flat in uint in_light;
 
 layout(location = 0) out vec2 normal;
-layout(location = 1) out vec4 flux;
-layout(location = 2) out vec4 albedo;
+layout(location = 1) out vec4 albedo;
 
 layout(scalar, push_constant) uniform Params {
     vec2 texel_size;  // of the map, in [-1, 1]
     float albedo_lod; // added to the mip level, so that the albedo is the mean over the area that a VPL stands for
 } params;
 
-layout(scalar) readonly buffer Lights { Light at[]; } lights;
+layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
 layout(scalar) uniform MaterialBlock { Material it; } material_block;
 uniform sampler2DArray base_color_map;
 uniform sampler2DArray metallic_roughness_map;
@@ -52,11 +51,8 @@ void main() {
     Light light = lights.at[layer];
     if (LIGHT_KIND != MIXED) light.kind = LIGHT_KIND;
     vec2 ndc = gl_FragCoord.xy * params.texel_size - 1.0;
-    vec3 position = light_position(light, ndc, gl_FragCoord.z);
-    vec3 n = normalize(cross(dFdx(position), dFdy(position)));
-    vec3 to_light = light.kind == DIRECTIONAL ? -light.direction : light.origin - position;
+    vec2 gradient = vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z)) / params.texel_size;
     bool lit = gl_FrontFacing || material.double_sided != 0u;
-    normal = octahedral(dot(n, to_light) < 0.0 ? -n : n);
-    flux = vec4(texel_flux(light, ndc), 1.0);
+    normal = octahedral(light_normal(light, ndc, gl_FragCoord.z, gradient));
     albedo = vec4(lit ? tint * (1.0 - metallic) : vec3(0.0), 1.0);
 }

@@ -17,7 +17,7 @@ layout(location = 0) out vec2 out_uv;
 layout(location = 1) out vec4 out_color;
 layout(location = 2) flat out uint out_light;
 
-layout(scalar) readonly buffer Lights { Light at[]; } lights;
+layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
 layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
 
 out gl_PerVertex { vec4 gl_Position; };

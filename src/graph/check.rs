@@ -55,7 +55,11 @@ fn kind(graph: &Graph, used: &Use, binding: &Binding) -> Result<()> {
             }
             Ok(())
         }
-        (_, resource) => bail!("{} is {}, the shader has the other kind", graph.name(resource), if matches!(resource, Resource::Image(_)) { "an image" } else { "a buffer" }),
+        (_, resource) => bail!(
+            "{} is {}, the shader has the other kind",
+            graph.name(resource),
+            if matches!(resource, Resource::Image(_)) { "an image" } else { "a buffer" }
+        ),
     }
 }
 
@@ -74,8 +78,7 @@ pub(super) fn params(pass: &Pass, blocks: &[Option<&Block>]) -> Result<()> {
 /// resource in two ways.
 pub(super) fn order(graph: &Graph) -> Result<()> {
     let mut names = HashSet::new();
-    let mut written: BTreeSet<usize> =
-        (0..graph.slots.len()).filter(|i| !matches!(graph.slots[*i].source, Source::Transient)).collect();
+    let mut written: BTreeSet<usize> = (0..graph.slots.len()).filter(|i| !matches!(graph.slots[*i].source, Source::Transient)).collect();
     for pass in &graph.passes {
         if !names.insert(pass.name) {
             bail!("pass {}: two passes of a frame have this name", pass.name);

@@ -45,9 +45,11 @@ shader_struct! {
         pub emission_map: [f32; 7],
         pub normal_map: [f32; 7],
         /// To 256 bytes, so that each can be bound as a uniform block on every device.
-        pub padding: [u32; 22],
+        pub padding: [u32; 24],
     }
 }
+
+const _: () = assert!(size_of::<MaterialData>() == 256);
 
 /// Names of a material's maps in the shaders, and of the constants that switch them on.
 const MAPS: [(&str, &str); 4] = [
@@ -136,11 +138,8 @@ impl DeviceScene {
 
         let (arrays, places) = upload_textures(gpu, scene)?;
         let materials: Vec<MaterialData> = scene.materials.iter().map(|material| material_data(material, &places)).collect();
-        let draws: Vec<DrawData> = scene
-            .draws
-            .iter()
-            .map(|draw| DrawData { transform: draw.transform.to_cols_array_2d(), material: draw.material })
-            .collect();
+        let draws: Vec<DrawData> =
+            scene.draws.iter().map(|draw| DrawData { transform: draw.transform.to_cols_array_2d(), material: draw.material }).collect();
         let (buckets, bounds) = fill_buckets(scene, &places);
         Ok(Self {
             bounds,
@@ -159,28 +158,42 @@ impl DeviceScene {
 
     /// The scene's buffers as this frame's resources.
     pub fn import(&self, g: &mut Graph) -> SceneHandles {
-        SceneHandles {
-            draws: g.import_buffer::<DrawData>("scene/draws", self.draws, self.draw_count),
-        }
+        SceneHandles { draws: g.import_buffer::<DrawData>("scene/draws", self.draws, self.draw_count) }
     }
 
-    /// What a raster pass draws: for each bucket the draws that `visible` keeps, `instances` times.
-    pub fn draw_lists(&self, g: &mut Graph, name: &str, maps: Maps, instances: u32, visible: impl Fn(Aabb) -> bool) -> Vec<DrawList> {
+    /// What a raster pass draws, `instances` times: the parts of which `distance` knows one, nearer ones before farther ones as
+    /// far as buckets allow, so that what is hidden is not shaded.
+    pub fn draw_lists(
+        &self,
+        g: &mut Graph,
+        name: &str,
+        maps: Maps,
+        instances: u32,
+        distance: impl Fn(Aabb) -> Option<f32>,
+    ) -> Vec<DrawList> {
+        let mut drawn: Vec<(f32, &Bucket, Vec<(f32, DrawArguments)>)> = Vec::new();
+        for bucket in &self.buckets {
+            let part = |draw: &PlacedDraw| Some((distance(draw.bounds)?, DrawArguments { instance_count: instances, ..draw.arguments }));
+            let mut parts: Vec<_> = bucket.draws.iter().filter_map(part).collect();
+            parts.sort_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((nearest, _)) = parts.first() {
+                drawn.push((*nearest, bucket, parts));
+            }
+        }
+        // Holes are only known after shading: what is solid goes first.
+        drawn.sort_by(|a, b| a.1.key.masked.cmp(&b.1.key.masked).then(a.0.total_cmp(&b.0)));
         let mut arguments: Vec<DrawArguments> = Vec::new();
         let mut ranges = Vec::new();
-        for bucket in &self.buckets {
-            let first = arguments.len() as u32;
-            let kept = bucket.draws.iter().filter(|draw| visible(draw.bounds));
-            arguments.extend(kept.map(|draw| DrawArguments { instance_count: instances, ..draw.arguments }));
-            ranges.push((first, arguments.len() as u32 - first));
+        for (_, bucket, parts) in &drawn {
+            ranges.push((*bucket, arguments.len() as u32, parts.len() as u32));
+            arguments.extend(parts.iter().map(|(_, arguments)| arguments));
         }
         if arguments.is_empty() {
             // A buffer is never empty; no list refers to this.
             arguments.push(bytemuck::Zeroable::zeroed());
         }
         let arguments = g.upload(&format!("{name}/arguments"), &arguments);
-        let drawn = self.buckets.iter().zip(ranges).filter(|(_, (_, count))| *count > 0);
-        drawn.map(|(bucket, (first, count))| self.draw_list(&bucket.key, arguments, first, count, maps)).collect()
+        ranges.into_iter().map(|(bucket, first, count)| self.draw_list(&bucket.key, arguments, first, count, maps)).collect()
     }
 
     fn draw_list(&self, key: &BucketKey, arguments: Buffer, first: u32, count: u32, maps: Maps) -> DrawList {
@@ -269,15 +282,23 @@ fn material_data(material: &Material, places: &Places) -> MaterialData {
         metallic_roughness_map,
         emission_map,
         normal_map,
-        padding: [0; 22],
+        padding: [0; 24],
     }
 }
 
 fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
     let colored = |draw: &Draw| scene.draw_vertices(draw).any(|vertex| vertex.color != u32::MAX);
-    let facts: Vec<(Aabb, bool)> = scene.draws.par_iter().map(|draw| (scene.draw_bounds(draw), colored(draw))).collect();
+    let facts: Vec<(Vec<Draw>, Vec<Aabb>, bool)> = scene
+        .draws
+        .par_iter()
+        .map(|draw| {
+            let parts = parts(draw);
+            let bounds = parts.iter().map(|part| scene.draw_bounds(part)).collect();
+            (parts, bounds, colored(draw))
+        })
+        .collect();
     let mut buckets: BTreeMap<BucketKey, Vec<PlacedDraw>> = BTreeMap::new();
-    for (number, (draw, (bounds, colored))) in scene.draws.iter().zip(&facts).enumerate() {
+    for (number, (draw, (parts, bounds, colored))) in scene.draws.iter().zip(&facts).enumerate() {
         let material = &scene.materials[draw.material as usize];
         let key = BucketKey {
             material: draw.material,
@@ -286,17 +307,28 @@ fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
             colored: *colored,
             maps: maps(material).map(|map| map.map(|m| (places[m.texture as usize].0, (m.wrap_u, m.wrap_v, m.filter)))),
         };
-        let arguments = DrawArguments {
-            index_count: draw.index_count,
-            instance_count: 1,
-            first_index: draw.first_index,
-            vertex_offset: draw.vertex_offset as i32,
-            first_instance: number as u32,
+        let place = |(part, bounds): (&Draw, &Aabb)| {
+            let arguments = DrawArguments {
+                index_count: part.index_count,
+                instance_count: 1,
+                first_index: part.first_index,
+                vertex_offset: part.vertex_offset as i32,
+                first_instance: number as u32,
+            };
+            PlacedDraw { arguments, bounds: *bounds }
         };
-        buckets.entry(key).or_default().push(PlacedDraw { arguments, bounds: *bounds });
+        buckets.entry(key).or_default().extend(parts.iter().zip(bounds).map(place));
     }
-    let all = facts.iter().fold(Aabb::EMPTY, |all, (bounds, _)| all.union(*bounds));
+    let all = facts.iter().flat_map(|(_, bounds, _)| bounds).fold(Aabb::EMPTY, |all, bounds| all.union(*bounds));
     (buckets.into_iter().map(|(key, draws)| Bucket { key, draws }).collect(), all)
+}
+
+/// A draw in pieces small enough to be left out, or drawn in an order, on their own. Files list neighbours together, mostly.
+fn parts(draw: &Draw) -> Vec<Draw> {
+    const INDICES: u32 = 3 * 1024;
+    let piece =
+        |first: u32| Draw { first_index: draw.first_index + first, index_count: (draw.index_count - first).min(INDICES), ..draw.clone() };
+    (0..draw.index_count).step_by(INDICES as usize).map(piece).collect()
 }
 
 fn wrapping(wrap: Wrap) -> Wrapping {

@@ -46,12 +46,7 @@ pub fn shade(g: &mut Graph, scene: &DeviceScene, gbuffer: &GBuffer, rsm: &Rsm, d
         .constant("GLOSSY_DIELECTRIC", dielectric == Dielectric::Ggx)
         .constant("LIGHT_KIND", rsm.kind)
         .constant("METALS", scene.has_metals)
-        .params(&ShadeParams {
-            lights: rsm.layers,
-            bias: config.bias,
-            map_size: rsm.size.map(|n| n as i32),
-            radius: config.blur as i32,
-        });
+        .params(&ShadeParams { lights: rsm.layers, bias: config.bias, map_size: rsm.size.map(|n| n as i32), radius: config.blur as i32 });
     if let Some((binding, image, sampler)) = map {
         pass = pass.samples(binding, image, sampler);
     }
