@@ -15,7 +15,7 @@ pub struct Lighting {
     /// The layers of the reflective shadow map; at least one.
     pub projectors: Vec<Projector>,
     /// Radiance where the camera sees no surface.
-    pub background: Vec3,
+    pub environment: Vec3,
 }
 
 /// What a frame makes.
@@ -39,6 +39,6 @@ pub fn frame(g: &mut Graph, scene: &DeviceScene, view: &View, lighting: &Lightin
     let indirect = gather::indirect(g, &gbuffer, &vpls, visibility, &config.gather);
     let irradiance = filter::smooth(g, &gbuffer, indirect, config.gather.interleave, &config.filter);
     let direct = direct::shade(g, scene, &gbuffer, &rsm, config.materials.dielectric, &config.direct);
-    let composed = compose::sum(g, &gbuffer, direct, irradiance, lighting.background, &config.compose);
+    let composed = compose::sum(g, &gbuffer, direct, irradiance, lighting.environment, &config.compose);
     Frame { gbuffer, irradiance, direct, composed }
 }

@@ -191,11 +191,11 @@ impl Renderer {
                 self.engine.gpu.adapter.name
             ));
         }
-        let background = lights.iter().filter_map(|light| match light {
+        let environment = lights.iter().filter_map(|light| match light {
             Light::Environment { radiance } => Some(*radiance),
             _ => None,
         });
-        Ok(Lighting { projectors, background: background.sum() })
+        Ok(Lighting { projectors, environment: environment.sum() })
     }
 
     /// What a user should know of how this config is rendered.

@@ -9,8 +9,9 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const bool REINHARD = true;
 
 layout(scalar, push_constant) uniform Params {
-    vec3 background; // radiance where there is no surface
+    vec3 environment; // radiance where there is no surface
     float exposure;
+    vec3 background;  // shown there besides, and no light
 } params;
 
 layout(scalar) uniform ViewBlock { View it; } view;
@@ -32,8 +33,8 @@ void main() {
     bool surface = texelFetch(depth, pixel, 0).r > 0.0;
     float diffuse = 1.0 - texelFetch(metallic_roughness, pixel, 0).r;
     vec3 reflected = texelFetch(irradiance, pixel, 0).rgb * texelFetch(albedo, pixel, 0).rgb * (diffuse / PI);
-    vec3 sum = surface ? reflected + texelFetch(direct, pixel, 0).rgb + texelFetch(emission, pixel, 0).rgb : params.background;
-    vec3 shown = sum * params.exposure;
+    vec3 sum = surface ? reflected + texelFetch(direct, pixel, 0).rgb + texelFetch(emission, pixel, 0).rgb : params.environment;
+    vec3 shown = sum * params.exposure + (surface ? vec3(0.0) : params.background);
     if (REINHARD) shown = reinhard(shown);
     imageStore(indirect, pixel, vec4(surface ? reflected : vec3(0.0), 1.0));
     imageStore(radiance, pixel, vec4(sum, surface ? 1.0 : 0.0));

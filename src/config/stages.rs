@@ -207,12 +207,14 @@ pub enum Shadows {
 pub struct ComposeConfig {
     /// Multiplies the radiance, over 0.
     pub exposure: f32,
+    /// Radiance shown where there is no surface; in the picture alone.
+    pub background: [f32; 3],
     pub tonemap: Tonemap,
 }
 
 impl Default for ComposeConfig {
     fn default() -> Self {
-        Self { exposure: 1.0, tonemap: Tonemap::Reinhard }
+        Self { exposure: 1.0, background: [0.0; 3], tonemap: Tonemap::Reinhard }
     }
 }
 

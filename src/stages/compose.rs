@@ -9,8 +9,9 @@ use glam::Vec3;
 
 shader_struct! {
     struct SumParams {
-        background: [f32; 3],
+        environment: [f32; 3],
         exposure: f32,
+        background: [f32; 3],
     }
 }
 
@@ -25,8 +26,8 @@ pub struct Composed {
     pub image: Image,
 }
 
-/// Adds direct, indirect and emitted light; `background` is the radiance where there is no surface.
-pub fn sum(g: &mut Graph, gbuffer: &GBuffer, direct: Image, irradiance: Image, background: Vec3, config: &ComposeConfig) -> Composed {
+/// Adds direct, indirect and emitted light; `environment` is the radiance where there is no surface.
+pub fn sum(g: &mut Graph, gbuffer: &GBuffer, direct: Image, irradiance: Image, environment: Vec3, config: &ComposeConfig) -> Composed {
     let composed = Composed {
         indirect: g.image("compose/indirect", Format::Rgba16Float, gbuffer.size),
         radiance: g.image("compose/radiance", Format::Rgba16Float, gbuffer.size),
@@ -44,7 +45,7 @@ pub fn sum(g: &mut Graph, gbuffer: &GBuffer, direct: Image, irradiance: Image, b
         .writes("radiance", composed.radiance)
         .writes("image", composed.image)
         .constant("REINHARD", config.tonemap == Tonemap::Reinhard)
-        .params(&SumParams { background: background.into(), exposure: config.exposure })
+        .params(&SumParams { environment: environment.into(), exposure: config.exposure, background: config.background })
         .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
     composed
 }
