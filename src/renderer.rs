@@ -2,7 +2,7 @@
 
 use crate::config::{Builtin, Config, SceneConfig, SceneSelector, TimingMode};
 use crate::fail;
-use crate::frame::{Lighting, frame};
+use crate::frame::{Frame, Lighting, frame};
 use crate::gpu::{Adapter, Feature, Format, Gpu, Options};
 use crate::graph::{Dump, Engine, Execution, Graph, Image, Library, ReadBack, Timing};
 use crate::scene::builtin::{self, Atrium};
@@ -206,13 +206,25 @@ impl Renderer {
         environment.then(|| warning.to_owned()).into_iter().collect()
     }
 
-    /// Renders frame `frame_index`; its images are only brought back where `pictured`.
-    pub fn render(&mut self, config: &Config, frame_index: u32, pictured: bool, execution: &Execution) -> Result<Rendered> {
+    /// Compiles the shaders and makes the pipelines of this config, so that no frame has to.
+    pub fn prepare(&mut self, config: &Config) -> Result<()> {
         let mut g = Graph::new();
+        self.describe(&mut g, config, 0)?;
+        self.engine.prepare(&g)
+    }
+
+    /// The frame's graph, and the view that it is seen by.
+    fn describe(&self, g: &mut Graph, config: &Config, frame_index: u32) -> Result<(Frame, View)> {
         let camera = view::camera(config, &self.scene, frame_index)?;
         let view = View::new(&camera, config.frame.size, self.device_scene.bounds);
         let lighting = self.lighting(config, frame_index)?;
-        let frame = frame(&mut g, &self.device_scene, &view, &lighting, config);
+        Ok((frame(g, &self.device_scene, &view, &lighting, config), view))
+    }
+
+    /// Renders frame `frame_index`; its images are only brought back where `pictured`.
+    pub fn render(&mut self, config: &Config, frame_index: u32, pictured: bool, execution: &Execution) -> Result<Rendered> {
+        let mut g = Graph::new();
+        let (frame, view) = self.describe(&mut g, config, frame_index)?;
         if let Some(unknown) = execution.dump.iter().find(|name| !g.pass_names().any(|pass| pass == *name)) {
             let names = g.pass_names().collect::<Vec<_>>().join(", ");
             return Err(fail!(BadInput, "--dump {unknown}: there is no such pass; there are {names}"));

@@ -13,10 +13,11 @@ use crate::report::{Device, PassTime, Provenance, Timings, peak_memory_bytes, ti
 use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Renders and writes everything; prints where it is and how long each stage took.
 pub fn run(args: &RenderArgs) -> Result<()> {
+    let started = Instant::now();
     let config = load_config(args)?;
     let folder = args.output();
     prepare_folder(&folder)?;
@@ -34,6 +35,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
 
     let mut execution = Execution { timing: timing(&config, &renderer.gpu().adapter), ..Execution::default() };
     progress.say("preparing the shaders");
+    renderer.prepare(&config)?;
+    let first_pass_ms = started.elapsed().as_millis() as u64;
     for i in 0..config.frame.warmup {
         renderer.render(&config, 0, false, &execution)?;
         progress.say(&format!("warm-up frame {} of {}", i + 1, config.frame.warmup));
@@ -72,6 +75,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     }
     let counts = [
         ("scene/triangles".to_owned(), renderer.device_scene().triangles),
+        ("start/first-pass-ms".to_owned(), first_pass_ms),
         ("vpls/count".to_owned(), u64::from(config.vpls.count)),
         ("device/memory-bytes".to_owned(), renderer.gpu().memory_in_use()),
     ];
