@@ -3,7 +3,7 @@
 use super::device::{Gpu, failure};
 use super::fault::Fault;
 use super::format::Format;
-use super::types::{Barrier, Stages};
+use super::types::{Accesses, Barrier, Stages};
 use crate::fail;
 use anyhow::{Context, Result, bail};
 use ash::vk;
@@ -340,7 +340,13 @@ impl Gpu {
         self.free_buffer(staging);
         self.submit(name, |commands| {
             for mip in 1..mips {
-                commands.barrier(&Barrier { from: Stages::TRANSFER, to: Stages::TRANSFER, ..Barrier::FULL });
+                // Each mip is read once it is written; a transfer stage has no other accesses than these.
+                commands.barrier(&Barrier {
+                    from: Stages::TRANSFER,
+                    written: Accesses::TRANSFER_WRITE,
+                    to: Stages::TRANSFER,
+                    needed: Accesses::TRANSFER_READ | Accesses::TRANSFER_WRITE,
+                });
                 commands.halve_into_mip(id, mip);
             }
         })?;
