@@ -4,17 +4,8 @@
 use std::path::Path;
 
 /// In link order: each needs the ones after it.
-const ARCHIVES: [&str; 9] = [
-    "glslang",
-    "MachineIndependent",
-    "GenericCodeGen",
-    "OSDependent",
-    "OGLCompiler",
-    "HLSL",
-    "SPIRV",
-    "SPIRV-Tools-opt",
-    "SPIRV-Tools",
-];
+const ARCHIVES: [&str; 9] =
+    ["glslang", "MachineIndependent", "GenericCodeGen", "OSDependent", "OGLCompiler", "HLSL", "SPIRV", "SPIRV-Tools-opt", "SPIRV-Tools"];
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

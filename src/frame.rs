@@ -38,7 +38,7 @@ pub fn frame(g: &mut Graph, scene: &DeviceScene, view: &View, lighting: &Lightin
     let visibility = visibility::render(g, &vpls, &config.visibility);
     let indirect = gather::indirect(g, &gbuffer, &vpls, visibility, &config.gather);
     let irradiance = filter::smooth(g, &gbuffer, indirect, config.gather.interleave, &config.filter);
-    let direct = direct::shade(g, &gbuffer, &rsm, config.materials.dielectric, &config.direct);
+    let direct = direct::shade(g, scene, &gbuffer, &rsm, config.materials.dielectric, &config.direct);
     let composed = compose::sum(g, &gbuffer, direct, irradiance, lighting.background, &config.compose);
     Frame { gbuffer, irradiance, direct, composed }
 }

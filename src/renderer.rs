@@ -175,7 +175,7 @@ impl Renderer {
         let target = config.rsm.bounds.map_or(bounds, |b| Aabb { min: b.min.into(), max: b.max.into() });
         let projectors = Projector::of_lights(&lights, config.rsm.size, target, bounds);
         let limits = &self.engine.gpu.adapter.limits;
-        let most = limits.image_layers.min(limits.framebuffer_layers);
+        let most = limits.image_layers.min(limits.framebuffer_layers).min(Projector::MAX as u32);
         if projectors.is_empty() {
             return Err(fail!(
                 BadInput,
@@ -186,7 +186,7 @@ impl Renderer {
         if projectors.len() > most as usize {
             return Err(fail!(
                 BadInput,
-                "light: {} shadow maps (a point light takes six) are over the {most} layers that {} allows; take fewer [[light]] tables",
+                "light: {} shadow maps (a point light takes six) are over the {most} that fit on {}; take fewer [[light]] tables",
                 projectors.len(),
                 self.engine.gpu.adapter.name
             ));

@@ -11,7 +11,7 @@ layout(scalar, push_constant) uniform Params {
     int radius; // texels
 } params;
 
-layout(scalar) readonly buffer Lights { Light at[]; } lights;
+layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
 uniform sampler2DArray rsm_depth;
 layout(rg32f) writeonly uniform image2DArray moments;
 

@@ -8,6 +8,8 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const bool GLOSSY_DIELECTRIC = false;
+layout(constant_id = 1) const uint LIGHT_KIND = 4; // of all lights, or MIXED
+layout(constant_id = 2) const bool METALS = true;  // whether the scene has any
 
 layout(scalar, push_constant) uniform Params {
     uint lights;
@@ -17,7 +19,7 @@ layout(scalar, push_constant) uniform Params {
 } params;
 
 layout(scalar) uniform ViewBlock { View it; } view;
-layout(scalar) readonly buffer Lights { Light at[]; } lights;
+layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
 uniform sampler2D depth;
 uniform sampler2D normal;
 uniform sampler2D albedo;
@@ -54,11 +56,12 @@ void main() {
         vec3 v = normalize(view.it.position - x);
         for (uint i = 0u; i < params.lights; i++) {
             Light light = lights.at[i];
+            if (LIGHT_KIND != MIXED) light.kind = LIGHT_KIND;
             vec3 l;
             vec3 arriving = light_irradiance(light, x, l) * max(dot(n, l), 0.0);
             if (any(greaterThan(arriving, vec3(0.0)))) {
                 arriving *= visibility(light, i, x, n);
-                sum += arriving * brdf(base, mr.x, mr.y, GLOSSY_DIELECTRIC, n, l, v);
+                sum += arriving * brdf(base, METALS ? mr.x : 0.0, mr.y, GLOSSY_DIELECTRIC, n, l, v);
             }
         }
     }

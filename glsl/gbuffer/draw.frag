@@ -9,27 +9,28 @@ layout(constant_id = 1) const bool BASE_COLOR_MAP = false;
 layout(constant_id = 2) const bool METALLIC_ROUGHNESS_MAP = false;
 layout(constant_id = 3) const bool EMISSION_MAP = false;
 layout(constant_id = 4) const bool MASKED = false;
+layout(constant_id = 5) const bool VERTEX_COLOR = false;
 
 layout(location = 0) in vec3 in_normal;
 layout(location = 1) in vec2 in_uv;
 layout(location = 2) in vec4 in_color;
 layout(location = 3) in vec4 in_tangent;
-layout(location = 4) flat in uint in_material;
 
 layout(location = 0) out vec2 normal;
 layout(location = 1) out vec4 albedo;
 layout(location = 2) out vec2 metallic_roughness;
 layout(location = 3) out vec4 emission;
 
-layout(scalar) readonly buffer Materials { Material at[]; } materials;
+layout(scalar) uniform MaterialBlock { Material it; } material_block;
 uniform sampler2DArray base_color_map;
 uniform sampler2DArray metallic_roughness_map;
 uniform sampler2DArray emission_map;
 uniform sampler2DArray normal_map;
 
 void main() {
-    Material material = materials.at[in_material];
-    vec4 base = material.base_color * in_color;
+    Material material = material_block.it;
+    vec4 base = material.base_color;
+    if (VERTEX_COLOR) base *= in_color;
     if (BASE_COLOR_MAP) base *= texture(base_color_map, map_coordinates(material.base_color_map, in_uv));
     if (MASKED && base.a < material.alpha_cutoff) discard;
 

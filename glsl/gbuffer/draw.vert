@@ -6,6 +6,7 @@
 #include "lib/view.glsl"
 
 layout(constant_id = 0) const bool NORMAL_MAP = false;
+layout(constant_id = 5) const bool VERTEX_COLOR = false;
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec2 normal;
@@ -17,7 +18,6 @@ layout(location = 0) out vec3 out_normal;
 layout(location = 1) out vec2 out_uv;
 layout(location = 2) out vec4 out_color;
 layout(location = 3) out vec4 out_tangent;
-layout(location = 4) flat out uint out_material;
 
 layout(scalar) uniform ViewBlock { View it; } view;
 layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
@@ -25,16 +25,16 @@ layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
 out gl_PerVertex { vec4 gl_Position; };
 
 void main() {
-    DrawData draw = draws.at[gl_InstanceIndex];
-    mat3 linear = mat3(draw.transform);
+    mat4x3 transform = draws.at[gl_BaseInstance].transform;
+    mat3 linear = mat3(transform);
     // The cofactor matrix carries normals through any scale; its sign is the transform's own.
     mat3 cofactor = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
     float orientation = dot(linear[0], cofactor[0]) < 0.0 ? -1.0 : 1.0;
-    gl_Position = view.it.view_projection * vec4(draw.transform * vec4(position, 1.0), 1.0);
+    gl_Position = view.it.view_projection * vec4(transform * vec4(position, 1.0), 1.0);
     out_normal = cofactor * octahedral_inverse(normal) * orientation;
     out_uv = uv;
-    out_color = color;
-    out_material = draw.material;
+    out_color = vec4(1.0);
+    if (VERTEX_COLOR) out_color = color;
     out_tangent = vec4(0.0);
     if (NORMAL_MAP) {
         vec4 t = tangent_inverse(tangent);

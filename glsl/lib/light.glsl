@@ -13,10 +13,15 @@ struct Light {
     float texel_area; // m^2, or on the plane at distance 1
 };
 
+// As many as 16 KiB of uniforms hold, with room to spare; Projector::MAX.
+const uint MAX_LIGHTS = 64u;
+
 const uint DIRECTIONAL = 0u;
 const uint SPOT_BY_ANGLE = 1u;
 const uint SPOT_BY_COSINE = 2u;
 const uint POINT_FACE = 3u;
+// Not a light's kind: a shader's constant, where its lights are of more than one.
+const uint MIXED = 4u;
 
 // How a spot light falls off at the angle whose cosine to the axis is given.
 float spot_falloff(Light light, float cosine) {
@@ -37,6 +42,18 @@ vec3 light_position(Light light, vec2 ndc, float depth) {
     vec3 offset = ndc.x * light.right - ndc.y * light.up;
     if (light.kind == DIRECTIONAL) return light.origin + offset + light.direction * (light.near * (1.0 - depth));
     return light.origin + (light.direction + offset) * (light.near / depth);
+}
+
+// Unit normal of the surface at a point of the map, turned to the light, from how the depth changes with ndc. Depth is linear over
+// a plane's picture in both projections, so that this is exact.
+vec3 light_normal(Light light, vec2 ndc, float depth, vec2 gradient) {
+    vec3 along = vec3(gradient * vec2(1.0, -1.0), depth - dot(ndc, gradient));
+    // On the axes of the map: right, up, and the light's direction.
+    vec3 n = light.kind == DIRECTIONAL ? vec3(along.xy * light.near, 1.0) : along;
+    n = n.x / dot(light.right, light.right) * light.right + n.y / dot(light.up, light.up) * light.up + n.z * light.direction;
+    vec3 ray = light.direction;
+    if (light.kind != DIRECTIONAL) ray += ndc.x * light.right - ndc.y * light.up;
+    return normalize(dot(n, ray) > 0.0 ? -n : n);
 }
 
 // Distance along the axis, metres.

@@ -23,6 +23,7 @@ struct Material {
     MapUse metallic_roughness_map;
     MapUse emission_map;
     MapUse normal_map;
+    uint padding[24]; // to 256 bytes, so that each can be bound as a uniform block
 };
 
 vec3 map_coordinates(MapUse use, vec2 uv) { return vec3(use.matrix * uv + use.offset, use.layer); }

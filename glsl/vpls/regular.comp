@@ -16,7 +16,7 @@ layout(scalar, push_constant) uniform Params {
     bool shuffle;
 } params;
 
-layout(scalar) readonly buffer Lights { Light at[]; } lights;
+layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
 uniform sampler2DArray rsm_depth;
 uniform sampler2DArray rsm_normal;
 uniform sampler2DArray rsm_flux;

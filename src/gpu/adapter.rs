@@ -232,10 +232,17 @@ pub(super) fn choose(adapters: &[Adapter], choice: &DeviceChoice) -> Result<Adap
     let names = || adapters.iter().enumerate().map(|(i, adapter)| format!("{i}: {}", adapter.name)).collect::<Vec<_>>().join(", ");
     let Some(adapter) = found else {
         if adapters.is_empty() {
-            return Err(fail!(NoDevice, "no Vulkan device was found; on Debian or Ubuntu, `apt install mesa-vulkan-drivers` brings a software driver"));
+            return Err(fail!(
+                NoDevice,
+                "no Vulkan device was found; on Debian or Ubuntu, `apt install mesa-vulkan-drivers` brings a software driver"
+            ));
         }
         return Err(match choice {
-            DeviceChoice::Cpu => fail!(NoDevice, "no software Vulkan driver was found (there is {}); on Debian or Ubuntu, `apt install mesa-vulkan-drivers` brings one", names()),
+            DeviceChoice::Cpu => fail!(
+                NoDevice,
+                "no software Vulkan driver was found (there is {}); on Debian or Ubuntu, `apt install mesa-vulkan-drivers` brings one",
+                names()
+            ),
             _ => fail!(NoDevice, "no Vulkan device answers to that choice; there is {}", names()),
         });
     };

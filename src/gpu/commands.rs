@@ -122,6 +122,9 @@ impl<'g> Commands<'g> {
                 Bound::UniformBuffer(id) | Bound::StorageBuffer(id) => {
                     [vk::DescriptorBufferInfo::default().buffer(memory.buffer(*id).handle).range(vk::WHOLE_SIZE)]
                 }
+                Bound::UniformRange { buffer, offset, bytes } => {
+                    [vk::DescriptorBufferInfo::default().buffer(memory.buffer(*buffer).handle).offset(*offset).range(*bytes)]
+                }
                 _ => [vk::DescriptorBufferInfo::default()],
             })
             .collect();
@@ -148,7 +151,9 @@ impl<'g> Commands<'g> {
             .map(|(i, (binding, bound))| {
                 let write = vk::WriteDescriptorSet::default().dst_binding(*binding);
                 match bound {
-                    Bound::UniformBuffer(_) => write.descriptor_type(vk::DescriptorType::UNIFORM_BUFFER).buffer_info(&buffers[i]),
+                    Bound::UniformBuffer(_) | Bound::UniformRange { .. } => {
+                        write.descriptor_type(vk::DescriptorType::UNIFORM_BUFFER).buffer_info(&buffers[i])
+                    }
                     Bound::StorageBuffer(_) => write.descriptor_type(vk::DescriptorType::STORAGE_BUFFER).buffer_info(&buffers[i]),
                     Bound::SampledImage { .. } => write.descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER).image_info(&images[i]),
                     Bound::StorageImage { .. } => write.descriptor_type(vk::DescriptorType::STORAGE_IMAGE).image_info(&images[i]),
@@ -178,9 +183,7 @@ impl<'g> Commands<'g> {
                 Load::Clear([depth, ..]) if slot.desc.format.is_depth() => {
                     (vk::AttachmentLoadOp::CLEAR, vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 } })
                 }
-                Load::Clear(float32) => {
-                    (vk::AttachmentLoadOp::CLEAR, vk::ClearValue { color: vk::ClearColorValue { float32 } })
-                }
+                Load::Clear(float32) => (vk::AttachmentLoadOp::CLEAR, vk::ClearValue { color: vk::ClearColorValue { float32 } }),
             };
             vk::RenderingAttachmentInfo::default()
                 .image_view(slot.array_mip0)
@@ -225,7 +228,9 @@ impl<'g> Commands<'g> {
         while done < count {
             let now = (count - done).min(limit);
             let offset = u64::from(first + done) * u64::from(STRIDE);
-            unsafe { self.gpu.device.cmd_draw_indexed_indirect(self.buffer, self.gpu.memory.buffer(arguments).handle, offset, now, STRIDE) };
+            unsafe {
+                self.gpu.device.cmd_draw_indexed_indirect(self.buffer, self.gpu.memory.buffer(arguments).handle, offset, now, STRIDE)
+            };
             done += now;
         }
     }
@@ -264,14 +269,10 @@ impl<'g> Commands<'g> {
     /// Filters the mip above down into `mip`, for all layers.
     pub(super) fn halve_into_mip(&mut self, image: ImageId, mip: u32) {
         let slot = self.gpu.memory.image(image);
-        let corner = |mip: u32| vk::Offset3D {
-            x: (slot.desc.width >> mip).max(1) as i32,
-            y: (slot.desc.height >> mip).max(1) as i32,
-            z: 1,
-        };
-        let level = |mip| {
-            vk::ImageSubresourceLayers::default().aspect_mask(slot.desc.format.aspect()).mip_level(mip).layer_count(slot.desc.layers)
-        };
+        let corner =
+            |mip: u32| vk::Offset3D { x: (slot.desc.width >> mip).max(1) as i32, y: (slot.desc.height >> mip).max(1) as i32, z: 1 };
+        let level =
+            |mip| vk::ImageSubresourceLayers::default().aspect_mask(slot.desc.format.aspect()).mip_level(mip).layer_count(slot.desc.layers);
         let regions = [vk::ImageBlit {
             src_subresource: level(mip - 1),
             src_offsets: [vk::Offset3D::default(), corner(mip - 1)],

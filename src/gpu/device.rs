@@ -75,7 +75,10 @@ impl Instance {
         let has_debug_utils = extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ext::debug_utils::NAME)) || validate;
         let layers = unsafe { entry.enumerate_instance_layer_properties() }.unwrap_or_default();
         if validate && !layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER)) {
-            return Err(fail!(NoDevice, "--validate needs the Khronos validation layer; on Debian or Ubuntu, `apt install vulkan-validationlayers` brings it"));
+            return Err(fail!(
+                NoDevice,
+                "--validate needs the Khronos validation layer; on Debian or Ubuntu, `apt install vulkan-validationlayers` brings it"
+            ));
         }
         let application = vk::ApplicationInfo::default().application_name(c"manylight").api_version(vk::API_VERSION_1_3);
         let layer_names: Vec<_> = validate.then_some(VALIDATION_LAYER.as_ptr()).into_iter().collect();
@@ -102,7 +105,8 @@ impl Instance {
         let messenger = if validate {
             let loader = ext::debug_utils::Instance::new(&entry, &handle);
             messenger_info.p_next = std::ptr::null();
-            let messenger = unsafe { loader.create_debug_utils_messenger(&messenger_info, None) }.map_err(|e| failure(e, "the validation messenger"))?;
+            let messenger = unsafe { loader.create_debug_utils_messenger(&messenger_info, None) }
+                .map_err(|e| failure(e, "the validation messenger"))?;
             Some((loader, messenger))
         } else {
             None
@@ -174,9 +178,8 @@ impl Gpu {
             .with_context(|| format!("opening {}", adapter.name))?;
 
         let create = |what| move |error| failure(error, what);
-        let pool_info = vk::CommandPoolCreateInfo::default()
-            .queue_family_index(queue_family)
-            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
+        let pool_info =
+            vk::CommandPoolCreateInfo::default().queue_family_index(queue_family).flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
         let query_info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(QUERY_COUNT);
         let (command_pool, fence, queries, queue) = unsafe {
             (
@@ -244,8 +247,10 @@ impl Gpu {
     /// The first `count` timestamps of the last submission, in milliseconds from the first.
     pub fn timestamps(&self, count: u32) -> Result<Vec<f64>> {
         let mut ticks = vec![0u64; count as usize];
-        unsafe { self.device.get_query_pool_results(self.queries, 0, &mut ticks, vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT) }
-            .map_err(|e| failure(e, "timestamps"))?;
+        unsafe {
+            self.device.get_query_pool_results(self.queries, 0, &mut ticks, vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT)
+        }
+        .map_err(|e| failure(e, "timestamps"))?;
         let period = f64::from(self.adapter.limits.timestamp_period) * 1e-6;
         let first = ticks.first().copied().unwrap_or(0);
         Ok(ticks.iter().map(|tick| tick.wrapping_sub(first) as f64 * period).collect())

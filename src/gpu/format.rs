@@ -44,10 +44,7 @@ impl Format {
 
     /// Can hold what is not a finite number.
     pub fn is_float(self) -> bool {
-        matches!(
-            self,
-            Self::Rgba16Float | Self::R11G11B10Float | Self::R32Float | Self::Rg32Float | Self::Rgba32Float | Self::Depth32
-        )
+        matches!(self, Self::Rgba16Float | Self::R11G11B10Float | Self::R32Float | Self::Rg32Float | Self::Rgba32Float | Self::Depth32)
     }
 
     pub fn is_depth(self) -> bool {

@@ -340,13 +340,9 @@ impl Gpu {
         self.free_buffer(staging);
         self.submit(name, |commands| {
             for mip in 1..mips {
-                // Each mip is read once it is written; a transfer stage has no other accesses than these.
-                commands.barrier(&Barrier {
-                    from: Stages::TRANSFER,
-                    written: Accesses::TRANSFER_WRITE,
-                    to: Stages::TRANSFER,
-                    needed: Accesses::TRANSFER_READ | Accesses::TRANSFER_WRITE,
-                });
+                let both = Accesses::TRANSFER_READ | Accesses::TRANSFER_WRITE;
+                let (from, to) = (Stages::TRANSFER, Stages::TRANSFER);
+                commands.barrier(&Barrier { from, written: Accesses::TRANSFER_WRITE, to, needed: both });
                 commands.halve_into_mip(id, mip);
             }
         })?;

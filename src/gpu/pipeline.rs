@@ -180,8 +180,8 @@ impl Gpu {
             .map(|_| vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA))
             .collect();
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
-        let dynamic = vk::PipelineDynamicStateCreateInfo::default()
-            .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
+        let dynamic =
+            vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
         let formats: Vec<_> = state.color.iter().map(|format| format.vk()).collect();
         let mut rendering = vk::PipelineRenderingCreateInfo::default()
             .color_attachment_formats(&formats)
@@ -217,9 +217,8 @@ impl Gpu {
                 vk::DescriptorSetLayoutBinding::default().binding(*number).descriptor_type(kind).descriptor_count(1).stage_flags(all)
             })
             .collect();
-        let layout = vk::DescriptorSetLayoutCreateInfo::default()
-            .flags(vk::DescriptorSetLayoutCreateFlags::PUSH_DESCRIPTOR_KHR)
-            .bindings(&entries);
+        let layout =
+            vk::DescriptorSetLayoutCreateInfo::default().flags(vk::DescriptorSetLayoutCreateFlags::PUSH_DESCRIPTOR_KHR).bindings(&entries);
         let set_layout = unsafe { self.device.create_descriptor_set_layout(&layout, None) }.map_err(|e| failure(e, name))?;
         let block_bytes = |shader: &&Shader| {
             let members = shader.push_constants.iter().flat_map(|block| &block.members);
@@ -231,9 +230,11 @@ impl Gpu {
         }
         let ranges = [vk::PushConstantRange { stage_flags: all, offset: 0, size: push_bytes.next_multiple_of(4) }];
         let set_layouts = [set_layout];
-        let layout = vk::PipelineLayoutCreateInfo::default()
-            .set_layouts(&set_layouts)
-            .push_constant_ranges(if push_bytes > 0 { &ranges } else { &[] });
+        let layout = vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts).push_constant_ranges(if push_bytes > 0 {
+            &ranges
+        } else {
+            &[]
+        });
         let layout = unsafe { self.device.create_pipeline_layout(&layout, None) }.map_err(|e| failure(e, name))?;
         let numbers: HashMap<&str, u32> = bindings.iter().map(|(name, (number, _))| (name.as_str(), *number)).collect();
         let mut modules = Vec::new();
@@ -242,15 +243,7 @@ impl Gpu {
             let info = vk::ShaderModuleCreateInfo::default().code(&words);
             modules.push(unsafe { self.device.create_shader_module(&info, None) }.map_err(|e| failure(e, &shader.name))?);
         }
-        let slot = PipelineSlot {
-            handle: vk::Pipeline::null(),
-            layout,
-            bind_point,
-            stages: all,
-            set_layout,
-            bindings,
-            local_size: [1; 3],
-        };
+        let slot = PipelineSlot { handle: vk::Pipeline::null(), layout, bind_point, stages: all, set_layout, bindings, local_size: [1; 3] };
         Ok(Prepared { modules, slot })
     }
 

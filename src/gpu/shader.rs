@@ -61,11 +61,11 @@ pub enum ShaderAccess {
     ReadWrite,
 }
 
-/// The layout of a block. Where a block is nothing but a struct, or a runtime array of structs, its members are the struct's.
+/// The layout of a block. Where a block is nothing but a struct, or an array of structs, its members are the struct's.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Block {
     pub members: Vec<BlockMember>,
-    /// Of the runtime array, bytes.
+    /// Of the array, bytes.
     pub stride: Option<usize>,
 }
 
@@ -179,7 +179,11 @@ fn block(ty: &Type) -> Block {
         Type::Struct(s) => s
             .members
             .iter()
-            .map(|m| BlockMember { name: m.name.clone().unwrap_or_default(), offset: m.offset.unwrap_or(0), bytes: m.ty.nbyte().unwrap_or(0) })
+            .map(|m| BlockMember {
+                name: m.name.clone().unwrap_or_default(),
+                offset: m.offset.unwrap_or(0),
+                bytes: m.ty.nbyte().unwrap_or(0),
+            })
             .collect(),
         _ => Vec::new(),
     };
@@ -187,7 +191,7 @@ fn block(ty: &Type) -> Block {
         && let [only] = s.members.as_slice()
     {
         match &only.ty {
-            Type::Array(array) if array.nelement.is_none() => return Block { members: members(&array.element_ty), stride: array.stride },
+            Type::Array(array) => return Block { members: members(&array.element_ty), stride: array.stride },
             Type::Struct(_) => return Block { members: members(&only.ty), stride: None },
             _ => {}
         }

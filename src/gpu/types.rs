@@ -77,6 +77,12 @@ pub enum Sampler {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bound {
     UniformBuffer(BufferId),
+    /// A part of a buffer; the offset is a multiple of 256, which every device takes.
+    UniformRange {
+        buffer: BufferId,
+        offset: u64,
+        bytes: u64,
+    },
     StorageBuffer(BufferId),
     /// All mips; all layers where `array`, else the first.
     SampledImage {

@@ -25,10 +25,16 @@ pub(super) fn bindings(graph: &Graph, pass: &Pass, list: Option<&DrawList>, bind
         }
         kind(graph, used, binding).with_context(|| format!("pass {}: {:?}", pass.name, used.binding))?;
     }
+    for block in list.iter().flat_map(|list| &list.blocks) {
+        if let Some((_, Binding { kind: BindingKind::UniformBlock(layout), .. })) = bindings.get(block.binding) {
+            block.element.check(layout).with_context(|| format!("pass {}: {:?}", pass.name, block.binding))?;
+        }
+    }
     for name in bindings.keys() {
         let declared = pass.uses.iter().any(|used| used.binding == name);
         let textured = list.is_some_and(|list| list.textures.iter().any(|(binding, ..)| binding == name));
-        if !declared && !textured {
+        let listed = list.is_some_and(|list| list.blocks.iter().any(|block| block.binding == name));
+        if !declared && !textured && !listed {
             bail!("pass {}: the shader uses {name:?}, the pass does not declare it", pass.name);
         }
     }
@@ -49,7 +55,11 @@ fn kind(graph: &Graph, used: &Use, binding: &Binding) -> Result<()> {
             }
             Ok(())
         }
-        (_, resource) => bail!("{} is {}, the shader has the other kind", graph.name(resource), if matches!(resource, Resource::Image(_)) { "an image" } else { "a buffer" }),
+        (_, resource) => bail!(
+            "{} is {}, the shader has the other kind",
+            graph.name(resource),
+            if matches!(resource, Resource::Image(_)) { "an image" } else { "a buffer" }
+        ),
     }
 }
 
@@ -68,8 +78,7 @@ pub(super) fn params(pass: &Pass, blocks: &[Option<&Block>]) -> Result<()> {
 /// resource in two ways.
 pub(super) fn order(graph: &Graph) -> Result<()> {
     let mut names = HashSet::new();
-    let mut written: BTreeSet<usize> =
-        (0..graph.slots.len()).filter(|i| !matches!(graph.slots[*i].source, Source::Transient)).collect();
+    let mut written: BTreeSet<usize> = (0..graph.slots.len()).filter(|i| !matches!(graph.slots[*i].source, Source::Transient)).collect();
     for pass in &graph.passes {
         if !names.insert(pass.name) {
             bail!("pass {}: two passes of a frame have this name", pass.name);

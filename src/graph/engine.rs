@@ -294,7 +294,11 @@ impl Engine {
                     let bytes = graph.buffer_bytes(buffer);
                     let limit = self.gpu.adapter.limits.storage_buffer_bytes;
                     if bytes > limit {
-                        bail!("{}: {bytes} bytes are over the {limit} that {} lets a shader see; lower the counts in the config", slot.name, self.gpu.adapter.name);
+                        bail!(
+                            "{}: {bytes} bytes are over the {limit} that {} lets a shader see; lower the counts in the config",
+                            slot.name,
+                            self.gpu.adapter.name
+                        );
                     }
                     placed.buffers.insert(index, self.pool.buffer(&mut self.gpu, &slot.name, bytes, BufferKind::Device)?);
                 }
@@ -304,9 +308,7 @@ impl Engine {
                     placed.buffers.insert(index, id);
                 }
                 (Resource::Image(image), Source::Transient) => {
-                    let stored = |pass: &Pass| {
-                        pass.uses.iter().any(|u| u.resource.index() == index && u.access != ShaderAccess::Read)
-                    };
+                    let stored = |pass: &Pass| pass.uses.iter().any(|u| u.resource.index() == index && u.access != ShaderAccess::Read);
                     let rendered = |pass: &Pass| match &pass.work {
                         Work::Raster { color, depth, .. } => {
                             color.iter().any(|target| target.image.index as usize == index)
@@ -350,9 +352,7 @@ impl Engine {
                 match binding.kind {
                     BindingKind::UniformBlock(_) => Bound::UniformBuffer(placed.buffers[&index]),
                     BindingKind::StorageBlock(_) => Bound::StorageBuffer(placed.buffers[&index]),
-                    BindingKind::Sampled { array } => {
-                        Bound::SampledImage { image: placed.images[&index], array, sampler: used.sampler }
-                    }
+                    BindingKind::Sampled { array } => Bound::SampledImage { image: placed.images[&index], array, sampler: used.sampler },
                     BindingKind::StorageImage { array } => Bound::StorageImage { image: placed.images[&index], array },
                 },
             ));
@@ -361,6 +361,12 @@ impl Engine {
             // A list may bring textures that its constants switch off in the shader.
             if let Some((number, _)) = bindings.get(*name) {
                 bound.push((*number, Bound::SampledImage { image: *image, array: true, sampler: *sampler }));
+            }
+        }
+        for block in list.iter().flat_map(|list| &list.blocks) {
+            if let Some((number, _)) = bindings.get(block.binding) {
+                let bytes = block.element.bytes as u64;
+                bound.push((*number, Bound::UniformRange { buffer: block.buffer, offset: block.offset, bytes }));
             }
         }
         Ok(Step { pipeline, bound })
@@ -401,7 +407,8 @@ impl Engine {
     ) -> Result<Vec<(&'static str, f64)>> {
         let gpu = &mut self.gpu;
         // The recorder borrows the device, so what it looks up there is looked up first.
-        let local_sizes: Vec<[u32; 3]> = ready.iter().map(|r| r.steps.first().map_or([1; 3], |step| gpu.local_size(step.pipeline))).collect();
+        let local_sizes: Vec<[u32; 3]> =
+            ready.iter().map(|r| r.steps.first().map_or([1; 3], |step| gpu.local_size(step.pipeline))).collect();
         let record_pass = |commands: &mut Commands<'_>, i: usize| record(commands, &ready[i], local_sizes[i], placed);
         let after_pass = |commands: &mut Commands<'_>, i: usize| {
             commands.fill_word(crumbs, 4 * i as u64, 1);
@@ -532,7 +539,8 @@ fn record(commands: &mut Commands<'_>, ready: &Ready<'_>, local_size: [u32; 3], 
         }
         Work::Raster { color, depth, draws } => {
             let attachment = |image: super::Image, load| Attachment { image: placed.images[&(image.index as usize)], load };
-            let size = color.iter().map(|target| target.image.size).chain(depth.iter().map(|(image, _)| image.size)).next().unwrap_or([1, 1]);
+            let size =
+                color.iter().map(|target| target.image.size).chain(depth.iter().map(|(image, _)| image.size)).next().unwrap_or([1, 1]);
             let color: Vec<Attachment> = color.iter().map(|target| attachment(target.image, target.load)).collect();
             commands.begin_rendering(size, &color, depth.map(|(image, load)| attachment(image, load)));
             for (list, step) in draws.iter().zip(&ready.steps) {

@@ -14,7 +14,7 @@ mod shader_struct;
 
 pub use engine::{Dump, DumpData, Engine, Execution, FrameOutcome, Timing};
 pub use library::Library;
-pub use pass::{ComputePass, DrawList, Extent, RasterPass};
+pub use pass::{ComputePass, DrawList, Extent, ListBlock, RasterPass};
 pub use shader_struct::{Member, ShaderStruct};
 
 use crate::gpu::{BufferId, Format, ImageId};

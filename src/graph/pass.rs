@@ -25,6 +25,8 @@ pub(super) struct Use {
 pub struct DrawList {
     /// Textures that belong to this list alone: binding, image array, sampler.
     pub textures: Vec<(&'static str, ImageId, Sampler)>,
+    /// Uniform blocks that belong to this list alone.
+    pub blocks: Vec<ListBlock>,
     pub constants: Vec<(&'static str, u32)>,
     pub cull_back: bool,
     pub vertices: BufferId,
@@ -33,6 +35,23 @@ pub struct DrawList {
     pub arguments: Buffer,
     pub first: u32,
     pub count: u32,
+}
+
+/// A uniform block in a part of a buffer that outlives the frame.
+#[derive(Debug, Clone, Copy)]
+pub struct ListBlock {
+    pub binding: &'static str,
+    pub buffer: BufferId,
+    /// In bytes, a multiple of 256.
+    pub offset: u64,
+    pub(super) element: Element,
+}
+
+impl ListBlock {
+    /// Element `index` of a buffer of `T`s as a block.
+    pub fn of<T: ShaderStruct>(binding: &'static str, buffer: BufferId, index: u32) -> Self {
+        Self { binding, buffer, offset: u64::from(index) * size_of::<T>() as u64, element: Element::of::<T>() }
+    }
 }
 
 #[derive(Debug, Clone)]

@@ -113,8 +113,7 @@ mod tests {
     #[test]
     fn a_read_after_a_write_waits_for_it_and_sees_it() {
         let barriers = plan(&[vec![writes(0, COMPUTE)], vec![reads(0, Stages::FRAGMENT)]]);
-        let expected =
-            Barrier { from: COMPUTE, written: Accesses::SHADER_WRITE, to: Stages::FRAGMENT, needed: Accesses::SHADER_READ };
+        let expected = Barrier { from: COMPUTE, written: Accesses::SHADER_WRITE, to: Stages::FRAGMENT, needed: Accesses::SHADER_READ };
         assert_eq!(barriers, vec![None, Some(expected)]);
     }
 

@@ -68,7 +68,17 @@ impl Pool {
     /// Frees what this frame did not use: a resize or another preset leaves nothing behind.
     pub fn trim(&mut self, gpu: &mut Gpu) {
         let frame = self.frame;
-        self.images.retain(|_, lent| lent.frame == frame || { gpu.free_image(lent.id); false });
-        self.buffers.retain(|_, lent| lent.frame == frame || { gpu.free_buffer(lent.id); false });
+        self.images.retain(|_, lent| {
+            lent.frame == frame || {
+                gpu.free_image(lent.id);
+                false
+            }
+        });
+        self.buffers.retain(|_, lent| {
+            lent.frame == frame || {
+                gpu.free_buffer(lent.id);
+                false
+            }
+        });
     }
 }

@@ -1,12 +1,13 @@
 //! A scene on the device: one vertex and one index buffer, draws and materials in storage buffers, textures in arrays.
 //!
-//! Textures of one size and kind share an image array. Draws whose materials use the same arrays with the same samplers form a
-//! [`Bucket`]: one indirect draw, with its maps bound once and the shader specialised to what it has.
+//! Textures of one size and kind share an image array. Draws of one material form a [`Bucket`]:
+//! one indirect draw, with its numbers and its maps bound once and the shader specialised to what it has. That is what makes
+//! them uniform to the shader: on a software driver, a fifth of a map's time.
 
-use super::{Aabb, Filter, Map, Material, Scene, Wrap};
+use super::{Aabb, Draw, Filter, Map, Material, Scene, Wrap};
 use crate::fail;
 use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, Wrapping};
-use crate::graph::{Buffer, DrawList, Graph};
+use crate::graph::{Buffer, DrawList, Graph, ListBlock};
 use crate::shader_struct;
 use anyhow::Result;
 use rayon::prelude::*;
@@ -43,8 +44,12 @@ shader_struct! {
         pub metallic_roughness_map: [f32; 7],
         pub emission_map: [f32; 7],
         pub normal_map: [f32; 7],
+        /// To 256 bytes, so that each can be bound as a uniform block on every device.
+        pub padding: [u32; 24],
     }
 }
+
+const _: () = assert!(size_of::<MaterialData>() == 256);
 
 /// Names of a material's maps in the shaders, and of the constants that switch them on.
 const MAPS: [(&str, &str); 4] = [
@@ -61,11 +66,15 @@ pub enum Maps {
     All = 4,
 }
 
-/// What draws must share to be drawn in one go.
+/// What draws share that are drawn in one go. Pipelines depend on all but the material's number.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 struct BucketKey {
+    /// What is solid comes first, and spares what is behind it the shading.
     masked: bool,
     double_sided: bool,
+    colored: bool,
+    /// Bound as a uniform block: its numbers are the same for all that is drawn.
+    material: u32,
     /// Image array and sampling of each map.
     maps: [Option<(usize, (Wrap, Wrap, Filter))>; 4],
 }
@@ -85,12 +94,13 @@ struct PlacedDraw {
 pub struct DeviceScene {
     pub bounds: Aabb,
     pub triangles: u64,
+    /// Whether some material is, or by a map may be, metallic.
+    pub has_metals: bool,
     vertices: BufferId,
     indices: BufferId,
     draws: BufferId,
     draw_count: u32,
     materials: BufferId,
-    material_count: u32,
     arrays: Vec<ImageId>,
     /// One white texel, for maps that a bucket does not have.
     blank: ImageId,
@@ -101,7 +111,6 @@ pub struct DeviceScene {
 #[derive(Debug, Clone, Copy)]
 pub struct SceneHandles {
     pub draws: Buffer,
-    pub materials: Buffer,
 }
 
 impl DeviceScene {
@@ -129,21 +138,18 @@ impl DeviceScene {
 
         let (arrays, places) = upload_textures(gpu, scene)?;
         let materials: Vec<MaterialData> = scene.materials.iter().map(|material| material_data(material, &places)).collect();
-        let draws: Vec<DrawData> = scene
-            .draws
-            .iter()
-            .map(|draw| DrawData { transform: draw.transform.to_cols_array_2d(), material: draw.material })
-            .collect();
+        let draws: Vec<DrawData> =
+            scene.draws.iter().map(|draw| DrawData { transform: draw.transform.to_cols_array_2d(), material: draw.material }).collect();
         let (buckets, bounds) = fill_buckets(scene, &places);
         Ok(Self {
             bounds,
             triangles: scene.triangle_count(),
+            has_metals: scene.materials.iter().any(|material| material.metallic > 0.0),
             vertices: gpu.create_filled_buffer("scene/vertices", bytemuck::cast_slice(&scene.vertices))?,
             indices: gpu.create_filled_buffer("scene/indices", bytemuck::cast_slice(&scene.indices))?,
             draws: gpu.create_filled_buffer("scene/draws", bytemuck::cast_slice(&draws))?,
             draw_count: draws.len() as u32,
             materials: gpu.create_filled_buffer("scene/materials", bytemuck::cast_slice(&materials))?,
-            material_count: materials.len() as u32,
             arrays,
             blank: gpu.create_texture_array("scene/blank", Format::Rgba8Unorm, [1, 1], &[&[255; 4]])?,
             buckets,
@@ -152,34 +158,47 @@ impl DeviceScene {
 
     /// The scene's buffers as this frame's resources.
     pub fn import(&self, g: &mut Graph) -> SceneHandles {
-        SceneHandles {
-            draws: g.import_buffer::<DrawData>("scene/draws", self.draws, self.draw_count),
-            materials: g.import_buffer::<MaterialData>("scene/materials", self.materials, self.material_count),
-        }
+        SceneHandles { draws: g.import_buffer::<DrawData>("scene/draws", self.draws, self.draw_count) }
     }
 
-    /// What a raster pass draws: for each bucket the draws that `visible` keeps, `instances` times.
-    pub fn draw_lists(&self, g: &mut Graph, name: &str, maps: Maps, instances: u32, visible: impl Fn(Aabb) -> bool) -> Vec<DrawList> {
+    /// What a raster pass draws, `instances` times: the parts of which `distance` knows one, nearer ones before farther ones as
+    /// far as buckets allow, so that what is hidden is not shaded.
+    pub fn draw_lists(
+        &self,
+        g: &mut Graph,
+        name: &str,
+        maps: Maps,
+        instances: u32,
+        distance: impl Fn(Aabb) -> Option<f32>,
+    ) -> Vec<DrawList> {
+        let mut drawn: Vec<(f32, &Bucket, Vec<(f32, DrawArguments)>)> = Vec::new();
+        for bucket in &self.buckets {
+            let part = |draw: &PlacedDraw| Some((distance(draw.bounds)?, DrawArguments { instance_count: instances, ..draw.arguments }));
+            let mut parts: Vec<_> = bucket.draws.iter().filter_map(part).collect();
+            parts.sort_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((nearest, _)) = parts.first() {
+                drawn.push((*nearest, bucket, parts));
+            }
+        }
+        // Holes are only known after shading: what is solid goes first.
+        drawn.sort_by(|a, b| a.1.key.masked.cmp(&b.1.key.masked).then(a.0.total_cmp(&b.0)));
         let mut arguments: Vec<DrawArguments> = Vec::new();
         let mut ranges = Vec::new();
-        for bucket in &self.buckets {
-            let first = arguments.len() as u32;
-            let kept = bucket.draws.iter().filter(|draw| visible(draw.bounds));
-            arguments.extend(kept.map(|draw| DrawArguments { instance_count: instances, ..draw.arguments }));
-            ranges.push((first, arguments.len() as u32 - first));
+        for (_, bucket, parts) in &drawn {
+            ranges.push((*bucket, arguments.len() as u32, parts.len() as u32));
+            arguments.extend(parts.iter().map(|(_, arguments)| arguments));
         }
         if arguments.is_empty() {
             // A buffer is never empty; no list refers to this.
             arguments.push(bytemuck::Zeroable::zeroed());
         }
         let arguments = g.upload(&format!("{name}/arguments"), &arguments);
-        let drawn = self.buckets.iter().zip(ranges).filter(|(_, (_, count))| *count > 0);
-        drawn.map(|(bucket, (first, count))| self.draw_list(&bucket.key, arguments, first, count, maps)).collect()
+        ranges.into_iter().map(|(bucket, first, count)| self.draw_list(&bucket.key, arguments, first, count, maps)).collect()
     }
 
     fn draw_list(&self, key: &BucketKey, arguments: Buffer, first: u32, count: u32, maps: Maps) -> DrawList {
         let has = maps as usize;
-        let mut constants = vec![("MASKED", u32::from(key.masked))];
+        let mut constants = vec![("MASKED", u32::from(key.masked)), ("VERTEX_COLOR", u32::from(key.colored))];
         let mut textures = Vec::new();
         for (map, (binding, constant)) in key.maps.iter().zip(MAPS).take(has) {
             constants.push((constant, u32::from(map.is_some())));
@@ -193,6 +212,7 @@ impl DeviceScene {
         }
         DrawList {
             textures,
+            blocks: vec![ListBlock::of::<MaterialData>("material_block", self.materials, key.material)],
             constants,
             // The light's view keeps back faces: they stop light, whatever they show to the camera.
             cull_back: !key.double_sided && maps == Maps::All,
@@ -262,30 +282,53 @@ fn material_data(material: &Material, places: &Places) -> MaterialData {
         metallic_roughness_map,
         emission_map,
         normal_map,
+        padding: [0; 24],
     }
 }
 
 fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
-    let bounds: Vec<Aabb> = scene.draws.par_iter().map(|draw| scene.draw_bounds(draw)).collect();
+    let colored = |draw: &Draw| scene.draw_vertices(draw).any(|vertex| vertex.color != u32::MAX);
+    let facts: Vec<(Vec<Draw>, Vec<Aabb>, bool)> = scene
+        .draws
+        .par_iter()
+        .map(|draw| {
+            let parts = parts(draw);
+            let bounds = parts.iter().map(|part| scene.draw_bounds(part)).collect();
+            (parts, bounds, colored(draw))
+        })
+        .collect();
     let mut buckets: BTreeMap<BucketKey, Vec<PlacedDraw>> = BTreeMap::new();
-    for (number, (draw, bounds)) in scene.draws.iter().zip(&bounds).enumerate() {
+    for (number, (draw, (parts, bounds, colored))) in scene.draws.iter().zip(&facts).enumerate() {
         let material = &scene.materials[draw.material as usize];
         let key = BucketKey {
+            material: draw.material,
             masked: material.alpha_cutoff.is_some(),
             double_sided: material.double_sided,
+            colored: *colored,
             maps: maps(material).map(|map| map.map(|m| (places[m.texture as usize].0, (m.wrap_u, m.wrap_v, m.filter)))),
         };
-        let arguments = DrawArguments {
-            index_count: draw.index_count,
-            instance_count: 1,
-            first_index: draw.first_index,
-            vertex_offset: draw.vertex_offset as i32,
-            first_instance: number as u32,
+        let place = |(part, bounds): (&Draw, &Aabb)| {
+            let arguments = DrawArguments {
+                index_count: part.index_count,
+                instance_count: 1,
+                first_index: part.first_index,
+                vertex_offset: part.vertex_offset as i32,
+                first_instance: number as u32,
+            };
+            PlacedDraw { arguments, bounds: *bounds }
         };
-        buckets.entry(key).or_default().push(PlacedDraw { arguments, bounds: *bounds });
+        buckets.entry(key).or_default().extend(parts.iter().zip(bounds).map(place));
     }
-    let all = bounds.into_iter().fold(Aabb::EMPTY, Aabb::union);
+    let all = facts.iter().flat_map(|(_, bounds, _)| bounds).fold(Aabb::EMPTY, |all, bounds| all.union(*bounds));
     (buckets.into_iter().map(|(key, draws)| Bucket { key, draws }).collect(), all)
+}
+
+/// A draw in pieces small enough to be left out, or drawn in an order, on their own. Files list neighbours together, mostly.
+fn parts(draw: &Draw) -> Vec<Draw> {
+    const INDICES: u32 = 3 * 1024;
+    let piece =
+        |first: u32| Draw { first_index: draw.first_index + first, index_count: (draw.index_count - first).min(INDICES), ..draw.clone() };
+    (0..draw.index_count).step_by(INDICES as usize).map(piece).collect()
 }
 
 fn wrapping(wrap: Wrap) -> Wrapping {

@@ -225,13 +225,15 @@ impl Scene {
         self.draws.iter().map(|draw| u64::from(draw.index_count) / 3).sum()
     }
 
+    /// The vertices of a draw's triangles, three each.
+    pub fn draw_vertices(&self, draw: &Draw) -> impl Iterator<Item = &Vertex> {
+        let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
+        let offset = draw.vertex_offset;
+        self.indices[range].iter().map(move |&i| &self.vertices[(offset + i) as usize])
+    }
+
     /// World-space bounds of a draw.
     pub fn draw_bounds(&self, draw: &Draw) -> Aabb {
-        let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
-        Aabb::of(
-            self.indices[range]
-                .iter()
-                .map(|&i| draw.transform.transform_point3(self.vertices[(draw.vertex_offset + i) as usize].position.into())),
-        )
+        Aabb::of(self.draw_vertices(draw).map(|vertex| draw.transform.transform_point3(vertex.position.into())))
     }
 }

@@ -72,6 +72,11 @@ impl View {
         sees(&self.view_projection, bounds)
     }
 
+    /// Distance to a box's centre.
+    pub fn distance(&self, bounds: Aabb) -> f32 {
+        bounds.center().distance(self.position.into())
+    }
+
     /// World position of a pixel's centre at a depth of the depth image, which must not be 0.
     pub fn position_at(&self, x: u32, y: u32, depth: f32) -> Vec3 {
         let ndc = (Vec2::new(x as f32, y as f32) + 0.5) / Vec2::new(self.width as f32, self.height as f32) * 2.0 - 1.0;
@@ -198,9 +203,27 @@ impl Projector {
         }
     }
 
+    /// As many as the shaders' uniform block holds.
+    pub const MAX: usize = 64;
+
+    /// Stands for more than one kind of light.
+    pub const MIXED: u32 = 4;
+
+    /// The kind of all of these, or [`Self::MIXED`].
+    pub fn common_kind(lights: &[Self]) -> u32 {
+        let first = lights.first().map_or(Self::MIXED, |light| light.kind);
+        if lights.iter().all(|light| light.kind == first) { first } else { Self::MIXED }
+    }
+
     /// Whether some of a box may be in the map.
     pub fn sees(&self, bounds: Aabb) -> bool {
         sees(&self.world_to_clip, bounds)
+    }
+
+    /// Distance to a box's centre, along the way of the light.
+    pub fn distance(&self, bounds: Aabb) -> f32 {
+        let way = bounds.center() - Vec3::from(self.origin);
+        if self.kind == 0 { way.dot(self.direction.into()) } else { way.length() }
     }
 
     /// World position of a point of the map, ndc in [-1, 1] with y down, at a depth that is not 0.
@@ -227,8 +250,7 @@ mod tests {
 
     #[test]
     fn a_projected_point_comes_back_from_its_pixel_and_depth() {
-        let camera =
-            Camera { name: String::new(), position: Vec3::new(1.0, 2.0, 3.0), target: Vec3::ZERO, up: Vec3::Y, fov_y_deg: 50.0 };
+        let camera = Camera { name: String::new(), position: Vec3::new(1.0, 2.0, 3.0), target: Vec3::ZERO, up: Vec3::Y, fov_y_deg: 50.0 };
         let view = View::new(&camera, [64, 48], BOUNDS);
         for (x, y, distance) in [(0, 0, 1.0f32), (63, 47, 5.0), (20, 30, 20.0)] {
             let p = view.position_at(x, y, view.near / distance);

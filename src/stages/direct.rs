@@ -5,6 +5,7 @@ use super::rsm::Rsm;
 use crate::config::{Dielectric, DirectConfig, Shadows};
 use crate::gpu::{Format, Sampler};
 use crate::graph::{Graph, Image};
+use crate::scene::device::DeviceScene;
 use crate::shader_struct;
 
 shader_struct! {
@@ -22,7 +23,7 @@ shader_struct! {
 }
 
 /// Fills the slot with the config's shadows; the image holds outgoing radiance, albedo included.
-pub fn shade(g: &mut Graph, gbuffer: &GBuffer, rsm: &Rsm, dielectric: Dielectric, config: &DirectConfig) -> Image {
+pub fn shade(g: &mut Graph, scene: &DeviceScene, gbuffer: &GBuffer, rsm: &Rsm, dielectric: Dielectric, config: &DirectConfig) -> Image {
     let direct = g.image("direct/radiance", Format::Rgba16Float, gbuffer.size);
     let moments = match config.shadows {
         Shadows::Variance => Some(variance_moments(g, rsm, config.blur)),
@@ -43,12 +44,9 @@ pub fn shade(g: &mut Graph, gbuffer: &GBuffer, rsm: &Rsm, dielectric: Dielectric
         .reads("metallic_roughness", gbuffer.metallic_roughness)
         .writes("direct", direct)
         .constant("GLOSSY_DIELECTRIC", dielectric == Dielectric::Ggx)
-        .params(&ShadeParams {
-            lights: rsm.layers,
-            bias: config.bias,
-            map_size: rsm.size.map(|n| n as i32),
-            radius: config.blur as i32,
-        });
+        .constant("LIGHT_KIND", rsm.kind)
+        .constant("METALS", scene.has_metals)
+        .params(&ShadeParams { lights: rsm.layers, bias: config.bias, map_size: rsm.size.map(|n| n as i32), radius: config.blur as i32 });
     if let Some((binding, image, sampler)) = map {
         pass = pass.samples(binding, image, sampler);
     }

@@ -33,9 +33,7 @@ fn bilateral(g: &mut Graph, gbuffer: &GBuffer, noisy: Image, radius: u32, config
         min_cosine: config.normal_threshold_deg.to_radians().cos(),
         plane_distance: config.plane_distance,
     };
-    for (name, vertical, from, to) in
-        [("filter/bilateral-rows", false, noisy, rows), ("filter/bilateral-columns", true, rows, smoothed)]
-    {
+    for (name, vertical, from, to) in [("filter/bilateral-rows", false, noisy, rows), ("filter/bilateral-columns", true, rows, smoothed)] {
         g.compute(name)
             .shader("filter/bilateral")
             .reads("view", gbuffer.view)

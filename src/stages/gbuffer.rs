@@ -34,11 +34,10 @@ pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, view: &Vi
         metallic_roughness: g.image("gbuffer/metallic-roughness", Format::Rg8Unorm, size),
         emission: g.image("gbuffer/emission", Format::Rgba16Float, size),
     };
-    let lists = scene.draw_lists(g, "gbuffer", Maps::All, 1, |bounds| view.sees(bounds));
+    let lists = scene.draw_lists(g, "gbuffer", Maps::All, 1, |bounds| view.sees(bounds).then(|| view.distance(bounds)));
     g.raster("gbuffer/draw")
         .reads("view", gbuffer.view)
         .reads("draws", handles.draws)
-        .reads("materials", handles.materials)
         .color("normal", gbuffer.normal, [0.0; 4])
         .color("albedo", gbuffer.albedo, [0.0; 4])
         .color("metallic_roughness", gbuffer.metallic_roughness, [0.0; 4])

@@ -5,6 +5,7 @@ use crate::graph::{Buffer, Graph, Image};
 use crate::scene::device::{DeviceScene, Maps, SceneHandles};
 use crate::scene::projection::Projector;
 use crate::shader_struct;
+use bytemuck::Zeroable;
 
 /// A map a light, as layers of the same images. A texel without a surface has depth 0 and no flux.
 #[derive(Debug, Clone, Copy)]
@@ -12,6 +13,8 @@ pub struct Rsm {
     /// The projectors, one a layer.
     pub lights: Buffer,
     pub layers: u32,
+    /// The lights' common kind as in [`Projector::kind`], or [`Projector::MIXED`].
+    pub kind: u32,
     pub size: [u32; 2],
     pub depth: Image,
     /// Geometric normal, turned to the light; octahedral.
@@ -27,35 +30,51 @@ shader_struct! {
         texel_size: [f32; 2],
         albedo_lod: f32,
     }
+
+    struct FluxParams {
+        size: [u32; 3],
+    }
 }
 
 /// Rasterizes the scene once for all lights: an instance each, which the vertex shader sends to its layer. `vpl_count` says how
 /// many texels a VPL stands for.
 pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &[Projector], size: [u32; 2], vpl_count: u32) -> Rsm {
     let layers = lights.len() as u32;
+    let mut block = vec![Projector::zeroed(); Projector::MAX];
+    block[..lights.len()].copy_from_slice(lights);
     let rsm = Rsm {
-        lights: g.upload("lights", lights),
+        lights: g.upload("lights", &block),
         layers,
+        kind: Projector::common_kind(lights),
         size,
         depth: g.layered_image("rsm/depth", Format::Depth32, size, layers),
         normal: g.layered_image("rsm/normal", Format::Rg16Snorm, size, layers),
         flux: g.layered_image("rsm/flux", Format::Rgba32Float, size, layers),
         albedo: g.layered_image("rsm/albedo", Format::Rgba16Float, size, layers),
     };
-    let lists = scene.draw_lists(g, "rsm", Maps::Reflection, layers, |bounds| lights.iter().any(|light| light.sees(bounds)));
+    let lists = scene.draw_lists(g, "rsm", Maps::Reflection, layers, |bounds| {
+        lights.iter().filter(|light| light.sees(bounds)).map(|light| light.distance(bounds)).reduce(f32::min)
+    });
     let texels_per_vpl = f64::from(size[0]) * f64::from(size[1]) * f64::from(layers) / f64::from(vpl_count);
     g.raster("rsm/draw")
         .reads("lights", rsm.lights)
         .reads("draws", handles.draws)
-        .reads("materials", handles.materials)
+        .constant("SEVERAL_LIGHTS", layers > 1)
+        .constant("LIGHT_KIND", rsm.kind)
         .params(&RsmParams {
             texel_size: [2.0 / size[0] as f32, 2.0 / size[1] as f32],
             albedo_lod: (0.5 * texels_per_vpl.log2()).max(0.0) as f32,
         })
         .color("normal", rsm.normal, [0.0; 4])
-        .color("flux", rsm.flux, [0.0; 4])
         .color("albedo", rsm.albedo, [0.0; 4])
         .depth(rsm.depth)
         .draw(lists);
+    g.compute("rsm/flux")
+        .reads("lights", rsm.lights)
+        .reads("rsm_depth", rsm.depth)
+        .writes("flux", rsm.flux)
+        .constant("LIGHT_KIND", rsm.kind)
+        .params(&FluxParams { size: [size[0], size[1], layers] })
+        .dispatch([size[0], size[1], layers]);
     rsm
 }

@@ -9,8 +9,10 @@ use std::f64::consts::PI;
 
 const ALBEDO: [f32; 3] = [0.5, 0.25, 0.75];
 const SHADOWS: [Shadows; 3] = [Shadows::None, Shadows::Variance, Shadows::PercentageCloser];
-/// Half a step of a half-float beside the number, and as much again for the arithmetic.
-const ROUNDING: f64 = 1.0 / 1024.0;
+/// A step of a half-float, as a device may round down when it stores one, and a little for the arithmetic.
+const ROUNDING: f64 = 1.0 / 1024.0 + 5e-5;
+/// What acos and cos of a device may be off by, radians.
+const ANGLE: f64 = 1e-4;
 
 /// A square of side 8 around the origin whose front is `up`.
 fn plane(up: Vec3) -> Scene {
@@ -25,16 +27,16 @@ fn seen_from(eye: Vec3, light: LightConfig) -> Config {
     plain([96, 96], eye, Vec3::ZERO, 40.0, light)
 }
 
-/// Compares each pixel's direct light with what is expected of its position; relative, down to a floor in W/(m^2 sr).
-fn compare(picture: &Picture, expected: impl Fn(DVec3) -> DVec3, floor: f64) {
+/// Compares each pixel's direct light with what is expected of its position, to rounding and, as spot lights need, a radiance.
+fn compare(what: &str, picture: &Picture, expected: impl Fn(DVec3) -> DVec3, slack: f64) {
     let mut worst: f64 = 0.0;
     for (x, found) in picture.positions().into_iter().zip(picture.direct.rgb()) {
         let expected = expected(x.as_dvec3());
-        let error = ((found.as_dvec3() - expected).abs() / expected.max(DVec3::splat(floor))).max_element();
-        assert!(error <= ROUNDING, "at {x}: {found} instead of {expected}");
+        let error = ((found.as_dvec3() - expected).abs() / (expected * ROUNDING + slack)).max_element();
+        assert!(error <= 1.0, "{what}: at {x}: {found} instead of {expected}");
         worst = worst.max(error);
     }
-    println!("largest relative error {worst:.2e}");
+    println!("{what}: {worst:.2} of what is allowed");
 }
 
 fn shaded(renderer: &mut Renderer, config: &Config, shadows: Shadows) -> Picture {
@@ -53,7 +55,7 @@ fn a_plane_in_the_sun_is_as_bright_as_albedo_over_pi_times_irradiance_times_cosi
         let cosine = -up.as_dvec3().dot(direction.as_dvec3());
         let radiance = Vec3::from(ALBEDO).as_dvec3() / PI * Vec3::from(irradiance).as_dvec3() * cosine;
         for shadows in SHADOWS {
-            compare(&shaded(&mut renderer, &config, shadows), |_| radiance, 1e-6);
+            compare(&format!("{shadows:?}"), &shaded(&mut renderer, &config, shadows), |_| radiance, 0.0);
         }
         finish(renderer.gpu());
     }
@@ -75,13 +77,14 @@ fn a_spot_light_falls_off_with_the_squared_distance_and_linearly_with_the_angle(
     let light = spot(Vec3::Y * 3.0, Vec3::NEG_Y, intensity, 12.0, 30.0);
     let config = seen_from(Vec3::new(1.0, 6.0, 1.5), light);
     let expected = under_spot(Vec3::from(intensity).as_dvec3(), |angle| linear_falloff(angle, 12.0 * PI / 180.0, 30.0 * PI / 180.0));
-    // Light ends within the picture: beyond the cone there is none, to a two-hundredth of the brightest.
+    // Light ends within the picture; how it does is as good as the device's angle.
     let peak = expected(DVec3::ZERO).max_element();
+    let slack = peak * ANGLE / 18f64.to_radians();
     let unshadowed = shaded(&mut renderer, &config, Shadows::None);
-    compare(&unshadowed, &expected, peak * 0.005);
+    compare("None", &unshadowed, &expected, slack);
     assert!(unshadowed.direct.rgb().any(|l| l == Vec3::ZERO) && unshadowed.direct.rgb().any(|l| l.x > 0.9 * peak as f32));
     for shadows in [Shadows::Variance, Shadows::PercentageCloser] {
-        compare(&shaded(&mut renderer, &config, shadows), &expected, peak * 0.005);
+        compare(&format!("{shadows:?}"), &shaded(&mut renderer, &config, shadows), &expected, slack);
     }
     // At twice the distance the axis gets a quarter.
     let far = picture(&mut renderer, &seen_from(Vec3::new(1.0, 6.0, 1.5), spot(Vec3::Y * 6.0, Vec3::NEG_Y, intensity, 12.0, 30.0)));
@@ -110,7 +113,7 @@ fn a_spot_light_of_a_gltf_file_falls_off_with_the_squared_cosine_term_of_its_ext
         ((angle.cos() - outer.cos()) / (inner.cos() - outer.cos())).clamp(0.0, 1.0).powi(2)
     });
     let peak = expected(DVec3::ZERO).max_element();
-    compare(&picture(&mut renderer, &config), &expected, peak * 0.005);
+    compare("None", &picture(&mut renderer, &config), &expected, peak * ANGLE);
     finish(renderer.gpu());
 }
 
@@ -123,12 +126,7 @@ fn a_point_light_shines_alike_through_the_seams_of_its_six_maps() {
         Vec3::from(ALBEDO).as_dvec3() / PI * 9.0 * (-d.y / d.length()) / d.length_squared()
     };
     let config = plain([96, 96], Vec3::new(0.0, 7.0, 0.01), Vec3::ZERO, 40.0, light);
-    let mut worst: f64 = 0.0;
-    for (x, found) in picture(&mut renderer, &config).positions().into_iter().zip(picture(&mut renderer, &config).direct.rgb()) {
-        let expected = expected(x.as_dvec3());
-        worst = worst.max(((found.as_dvec3() - expected).abs() / expected).max_element());
-    }
-    assert!(worst <= ROUNDING, "off by {worst:.2e}");
+    compare("None", &picture(&mut renderer, &config), expected, 0.0);
     finish(renderer.gpu());
 }
 

@@ -265,8 +265,9 @@ fn the_solid_angles_of_a_maps_texels_sum_to_that_of_its_square() {
             assert!((f64::from(found[0]) / solid_angle - 1.0).abs() < 1e-5, "{input:?}: {found:?}");
             let angle = (1.0 / squared.sqrt()).acos();
             let flux = solid_angle * linear_falloff(angle, 1f64.to_radians(), f64::from(outer_deg).to_radians());
-            // At the cone's rim the angle's rounding is all there is.
-            assert!((f64::from(found[1]) - 3.0 * flux).abs() < 3.0 * (flux * 1e-4 + solid_angle * 1e-4), "{input:?}: {found:?}");
+            // The falloff is as good as the device's acos.
+            let falloff = 1e-4 / f64::from(outer_deg - 1.0).to_radians();
+            assert!((f64::from(found[1]) - 3.0 * flux).abs() < 3.0 * (flux * 1e-4 + solid_angle * falloff), "{input:?}: {found:?}");
             assert!((found[1] - 3.0 * found[2]).abs() <= found[1] * 1e-6, "{input:?}: {found:?}");
         }
     }
@@ -414,7 +415,8 @@ fn ggx_is_its_distribution_and_heitzs_shadowing() {
 /// that a direction sees have that direction's own projected area.
 #[test]
 fn the_microfacets_of_ggx_cover_the_surface_once_from_every_direction() {
-    const N: usize = 256;
+    const N: usize = 4096;
+    const AROUND: usize = 128;
     for alpha in [0.1f32, 0.4, 1.0] {
         for nv in [0.2f32, 0.6, 0.95] {
             // Half vectors by u = nh^2 and azimuth; D and V apart, as V(1, 1) is 1/4.
@@ -435,11 +437,11 @@ fn the_microfacets_of_ggx_cover_the_surface_once_from_every_direction() {
                 // G1(v) = 4 nl nv V at nl = 1, where the light is not shadowed.
                 let g1 = 4.0 * f64::from(nv) * with_v / d;
                 let (sv, sh) = ((1.0 - f64::from(nv).powi(2)).sqrt(), (1.0 - nh * nh).sqrt());
-                let around = (0..N).map(|k| {
-                    let phi = (k as f64 + 0.5) / N as f64 * 2.0 * PI;
+                let around = (0..AROUND).map(|k| {
+                    let phi = (k as f64 + 0.5) / AROUND as f64 * 2.0 * PI;
                     (f64::from(nv) * nh + sv * sh * phi.cos()).max(0.0)
                 });
-                seen += d * g1 * weight * around.sum::<f64>() / N as f64;
+                seen += d * g1 * weight * around.sum::<f64>() / AROUND as f64;
             }
             assert!((area - 1.0).abs() < 1e-4, "alpha {alpha}: the microfacets cover {area}");
             assert!((seen / f64::from(nv) - 1.0).abs() < 5e-3, "alpha {alpha}, cosine {nv}: {seen} is seen");
