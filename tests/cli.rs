@@ -102,7 +102,7 @@ fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
     let files = place.files("out");
     let plain: Vec<&String> = files.iter().filter(|file| !file.starts_with("dump")).collect();
     assert_eq!(plain, ["image.exr", "image.png", "run.json", "timings.csv"]);
-    assert_eq!(files.len() - plain.len(), 4, "the map's four images: {files:?}");
+    assert_eq!(files.len() - plain.len(), 3, "the map's three images: {files:?}");
 
     let exr = read_exr(&place.path("out/image.exr")).unwrap();
     assert_eq!((exr.width, exr.height), (64, 48));

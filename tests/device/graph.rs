@@ -295,6 +295,7 @@ fn raster(g: &mut Graph, outputs: [&'static str; 2], image: impl Fn(&mut Graph) 
     let arguments = g.upload("arguments", &[0u32; 5]);
     let list = manylight::graph::DrawList {
         textures: Vec::new(),
+        blocks: Vec::new(),
         constants: Vec::new(),
         cull_back: false,
         vertices: nothing,

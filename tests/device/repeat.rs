@@ -88,7 +88,6 @@ fn neither_timing_nor_dumps_nor_checks_change_the_picture() {
         }
         let expected = [
             ("rsm/draw", "rsm/normal"),
-            ("rsm/draw", "rsm/flux"),
             ("rsm/draw", "rsm/albedo"),
             ("rsm/draw", "rsm/depth"),
             ("vpls/regular", "vpls/points"),
