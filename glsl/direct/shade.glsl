@@ -30,15 +30,17 @@ float shadow(Light light, uint layer, vec2 uv, float distance);
 
 // The share of a light's map that reaches a point: none outside of the map.
 float visibility(Light light, uint layer, vec3 x, vec3 n) {
+    // The point itself says which map it is in: the one lifted below may leave it at a spot's rim or a seam of a point light.
+    vec4 clip = light.world_to_clip * vec4(x, 1.0);
+    if (clip.w <= 0.0 || any(greaterThan(abs(clip.xy), vec2(clip.w)))) return 0.0;
     // Off the surface by the bias and about a texel's width, so that it does not shadow itself.
     vec2 texel = 2.0 * vec2(length(light.right), length(light.up)) / vec2(params.map_size);
     float width = max(texel.x, texel.y) * (light.kind == DIRECTIONAL ? 1.0 : dot(x - light.origin, light.direction));
     vec3 lifted = x + n * (params.bias + abs(width));
-    vec4 clip = light.world_to_clip * vec4(lifted, 1.0);
-    if (clip.w <= 0.0) return 0.0;
-    vec2 ndc = clip.xy / clip.w;
-    if (any(greaterThan(abs(ndc), vec2(1.0)))) return 0.0;
-    return shadow(light, layer, ndc * 0.5 + 0.5, dot(lifted - light.origin, light.direction));
+    clip = light.world_to_clip * vec4(lifted, 1.0);
+    // A light so near to the surface has nothing before it.
+    if (clip.w <= 0.0) return 1.0;
+    return shadow(light, layer, clip.xy / clip.w * 0.5 + 0.5, dot(lifted - light.origin, light.direction));
 }
 
 void main() {

@@ -1,0 +1,149 @@
+//! A device that is watched by the validation layer, scenes made by code, and their pictures.
+
+use glam::{Affine3A, DVec3, Vec2, Vec3};
+use manylight::config::{CameraConfig, Config, FilterKind, LightConfig, Shadows};
+use manylight::gpu::{DeviceChoice, Gpu, Options};
+use manylight::graph::Execution;
+use manylight::renderer::{Picture, Renderer};
+use manylight::scene::builder::Mesh;
+use manylight::scene::{Material, Scene};
+use std::f64::consts::PI;
+
+pub fn gpu() -> Gpu {
+    let options = Options { device: DeviceChoice::Cpu, validate: true };
+    Gpu::new(&options).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+/// Ends a test's use of a device: the validation layer must have had nothing to say.
+pub fn finish(gpu: &Gpu) {
+    let messages = gpu.validation_messages();
+    assert!(messages.is_empty(), "the validation layer says:\n{}", messages.join("\n"));
+}
+
+pub fn renderer(scene: Scene) -> Renderer {
+    Renderer::new(gpu(), scene).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+/// A frame as the config wants it.
+pub fn picture(renderer: &mut Renderer, config: &Config) -> Picture {
+    renderer.check(config).unwrap_or_else(|error| panic!("{error:#}"));
+    let rendered = renderer.render(config, 0, true, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
+    rendered.picture.unwrap_or_else(|| panic!("the picture was asked for"))
+}
+
+/// A config without anything that bends the numbers: no shadows, no interleaving, no filter, no bound on the singularity.
+pub fn plain(size: [u32; 2], position: Vec3, target: Vec3, fov_y_deg: f32, light: LightConfig) -> Config {
+    let camera = CameraConfig {
+        position: Some(position.into()),
+        target: Some(target.into()),
+        fov_y_deg: Some(fov_y_deg),
+        ..CameraConfig::default()
+    };
+    let mut config = Config { camera: Some(camera), light: vec![light], ..Config::default() };
+    config.frame.size = size;
+    config.gather.interleave = 1;
+    config.gather.min_distance = 0.0;
+    config.filter.kind = FilterKind::None;
+    config.direct.shadows = Shadows::None;
+    config
+}
+
+pub fn directional(direction: Vec3, irradiance: [f32; 3]) -> LightConfig {
+    LightConfig::Directional {
+        direction: Some(direction.into()),
+        position: None,
+        target: None,
+        irradiance,
+        keyframes: Vec::new(),
+    }
+}
+
+pub fn spot(position: Vec3, direction: Vec3, intensity: [f32; 3], inner_deg: f32, outer_deg: f32) -> LightConfig {
+    LightConfig::Spot {
+        position: position.into(),
+        direction: Some(direction.into()),
+        target: None,
+        intensity,
+        inner_deg: Some(inner_deg),
+        outer_deg,
+        keyframes: Vec::new(),
+    }
+}
+
+/// The radiant intensity's share at an angle to a spot's axis, both half-angles and it in radians.
+pub fn linear_falloff(angle: f64, inner: f64, outer: f64) -> f64 {
+    ((outer - angle) / (outer - inner)).clamp(0.0, 1.0)
+}
+
+pub fn matte(albedo: [f32; 3]) -> Material {
+    let [r, g, b] = albedo;
+    Material { base_color: [r, g, b, 1.0], ..Material::default() }
+}
+
+/// Adds a parallelogram with a material of its own; its front is where its corners run counter-clockwise.
+pub fn add_quad(scene: &mut Scene, corners: [Vec3; 4], material: Material) {
+    let mut mesh = Mesh::default();
+    mesh.quad(corners, [Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::new(1.0, 0.0), Vec2::ZERO]);
+    let material = scene.add_material(material);
+    scene.add_mesh(&mesh, material, &[Affine3A::IDENTITY]);
+}
+
+/// One wall of a box: where it is, in 64 bits, for whoever computes without the engine.
+#[derive(Debug, Clone, Copy)]
+pub struct Wall {
+    pub corner: DVec3,
+    pub u: DVec3,
+    pub v: DVec3,
+    pub normal: DVec3,
+    pub albedo: DVec3,
+}
+
+/// The walls of the box from the origin to `size`, facing inwards, in the order -X, +X, -Y, +Y, -Z, +Z.
+pub fn walls(size: DVec3, albedos: [DVec3; 6]) -> [Wall; 6] {
+    std::array::from_fn(|i| {
+        let (axis, far) = (i / 2, i % 2 == 1);
+        let mut along = [DVec3::ZERO; 3];
+        for (k, vector) in along.iter_mut().enumerate() {
+            vector[k] = size[k];
+        }
+        let mut normal = DVec3::ZERO;
+        normal[axis] = if far { -1.0 } else { 1.0 };
+        let (mut u, mut v) = (along[(axis + 1) % 3], along[(axis + 2) % 3]);
+        if far {
+            std::mem::swap(&mut u, &mut v);
+        }
+        Wall { corner: if far { along[axis] } else { DVec3::ZERO }, u, v, normal, albedo: albedos[i] }
+    })
+}
+
+/// The scene of some walls; they reflect on their inside alone.
+pub fn room(walls: &[Wall]) -> Scene {
+    let mut scene = Scene { name: "room".into(), ..Scene::default() };
+    for wall in walls {
+        let corners = [wall.corner, wall.corner + wall.u, wall.corner + wall.u + wall.v, wall.corner + wall.v];
+        let inwards = wall.u.cross(wall.v).normalize();
+        assert!((inwards - wall.normal).length() < 1e-9, "a wall faces inwards");
+        add_quad(&mut scene, corners.map(|c| c.as_vec3()), matte(wall.albedo.as_vec3().into()));
+    }
+    scene
+}
+
+/// Irradiance at `x` on a surface of normal `n` from walls that reflect the irradiance `lit` once. Midpoints of n x n patches
+/// of each wall; nothing hides anything.
+pub fn one_bounce(walls: &[Wall], n: u32, x: DVec3, normal: DVec3, lit: impl Fn(&Wall, DVec3) -> DVec3) -> DVec3 {
+    let mut sum = DVec3::ZERO;
+    for wall in walls {
+        let area = wall.u.cross(wall.v).length() / f64::from(n * n);
+        for i in 0..n * n {
+            let (a, b) = ((f64::from(i % n) + 0.5) / f64::from(n), (f64::from(i / n) + 0.5) / f64::from(n));
+            let y = wall.corner + wall.u * a + wall.v * b;
+            let d = y - x;
+            let cosines = d.dot(normal).max(0.0) * (-d.dot(wall.normal)).max(0.0);
+            if cosines > 0.0 {
+                let squared = d.length_squared();
+                sum += lit(wall, y) * wall.albedo / PI * (cosines / (squared * squared) * area);
+            }
+        }
+    }
+    sum
+}

@@ -1,0 +1,133 @@
+//! One bounce of indirect light against sums that know nothing of the engine.
+
+use crate::common::*;
+use glam::{DVec3, Vec3};
+use manylight::config::{Config, LightConfig};
+use manylight::renderer::Picture;
+use std::f64::consts::PI;
+
+const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
+const ALBEDOS: [DVec3; 6] = [
+    DVec3::new(0.8, 0.2, 0.1),
+    DVec3::new(0.1, 0.7, 0.3),
+    DVec3::new(0.6, 0.6, 0.6),
+    DVec3::new(0.9, 0.8, 0.7),
+    DVec3::new(0.3, 0.4, 0.9),
+    DVec3::new(0.5, 0.5, 0.2),
+];
+/// Map texels to a side.
+const MAP: u32 = 128;
+/// Receivers nearer than this to another wall are at an edge, metres.
+const EDGE: f64 = 0.5;
+
+/// A view from a corner of the room that shows floor, walls and some ceiling.
+fn config(light: LightConfig, vpls: u32) -> Config {
+    let mut config = plain([64, 64], Vec3::new(3.6, 1.7, 4.6), Vec3::new(1.0, 1.2, 0.5), 95.0, light);
+    config.rsm.size = [MAP, MAP];
+    config.vpls.count = vpls;
+    config
+}
+
+/// Pixels away from edges: position, normal and irradiance.
+fn receivers(picture: &Picture, walls: &[Wall]) -> Vec<(DVec3, DVec3, DVec3)> {
+    let (positions, normals) = (picture.positions(), picture.normals());
+    let irradiance: Vec<Vec3> = picture.irradiance.rgb().collect();
+    (0..positions.len())
+        .filter(|i| picture.depth.values[*i] > 0.0)
+        .map(|i| (positions[i].as_dvec3(), normals[i].as_dvec3(), irradiance[i].as_dvec3()))
+        .filter(|(x, n, _)| walls.iter().all(|wall| wall.normal.dot(*n) > 0.9 || (*x - wall.corner).dot(wall.normal) > EDGE))
+        .collect()
+}
+
+/// Mean relative error of all channels.
+fn mean_error(pairs: &[(DVec3, DVec3)]) -> f64 {
+    pairs.iter().map(|(found, expected)| ((*found - *expected).abs() / *expected).element_sum() / 3.0).sum::<f64>() / pairs.len() as f64
+}
+
+/// Compares a room under a light with the sum over its walls; `lit` is the walls' direct irradiance.
+fn compare(walls: &[Wall], light: LightConfig, lit: impl Fn(&Wall, DVec3) -> DVec3) {
+    let mut renderer = renderer(room(walls));
+    let every = picture(&mut renderer, &config(light.clone(), MAP * MAP));
+    let sampled = picture(&mut renderer, &config(light, 1024));
+    finish(renderer.gpu());
+
+    let all = receivers(&every, walls);
+    assert!(all.len() > 1000, "{} receivers", all.len());
+    let against_walls: Vec<_> =
+        all.iter().step_by(7).map(|(x, n, found)| (*found, one_bounce(walls, 96, *x, *n, &lit))).collect();
+    let error = mean_error(&against_walls);
+    println!("all texels against the walls: {:.3} % over {} pixels", error * 100.0, against_walls.len());
+    assert!(error < 0.02, "all texels differ from the walls by {:.2} %", error * 100.0);
+
+    let against_all: Vec<_> =
+        receivers(&sampled, walls).iter().zip(&all).map(|((_, _, found), (_, _, expected))| (*found, *expected)).collect();
+    let error = mean_error(&against_all);
+    let bias = against_all.iter().map(|(a, b)| ((*a - *b) / *b).element_sum() / 3.0).sum::<f64>() / against_all.len() as f64;
+    println!("bias {:.3} %", bias * 100.0);
+    println!("1,024 VPLs against all texels: {:.3} %", error * 100.0);
+    assert!(error < 0.02, "1,024 VPLs differ from all texels by {:.2} %", error * 100.0);
+    assert!(error > 1e-6, "1,024 VPLs cannot be all texels");
+}
+
+#[test]
+fn a_closed_box_under_a_spot_light_gets_the_one_bounce_light_that_its_walls_reflect() {
+    let walls = walls(SIZE, ALBEDOS);
+    let (position, direction) = (DVec3::new(1.8, 2.6, 2.2), DVec3::new(0.2, -1.0, 0.1).normalize());
+    let intensity = DVec3::new(20.0, 15.0, 10.0);
+    let (inner, outer) = (25.0f64, 55.0f64);
+    let light = spot(position.as_vec3(), direction.as_vec3(), intensity.as_vec3().into(), inner as f32, outer as f32);
+    compare(&walls, light, |wall, y| {
+        let d = y - position;
+        let angle = (d.dot(direction) / d.length()).clamp(-1.0, 1.0).acos();
+        let cosine = (-d.dot(wall.normal) / d.length()).max(0.0);
+        intensity * linear_falloff(angle, inner * PI / 180.0, outer * PI / 180.0) * (cosine / d.length_squared())
+    });
+}
+
+/// The back of a lid would keep the light out, so this box has none: what the sun reaches is what sees it through the opening.
+#[test]
+fn an_open_box_under_the_sun_gets_the_one_bounce_light_that_its_walls_reflect() {
+    let all = walls(SIZE, ALBEDOS);
+    let walls: Vec<Wall> = all.into_iter().enumerate().filter(|(i, _)| *i != 3).map(|(_, wall)| wall).collect();
+    let direction = DVec3::new(0.35, -1.0, -0.25).normalize();
+    let irradiance = DVec3::new(3.0, 2.5, 2.0);
+    let light = directional(direction.as_vec3(), irradiance.as_vec3().into());
+    compare(&walls, light, |wall, y| {
+        // Back along the light to the height of the opening.
+        let out = y - direction * ((SIZE.y - y.y) / -direction.y);
+        let seen = out.x > 0.0 && out.x < SIZE.x && out.z > 0.0 && out.z < SIZE.z;
+        let cosine = (-direction.dot(wall.normal)).max(0.0);
+        if seen { irradiance * cosine } else { DVec3::ZERO }
+    });
+}
+
+#[test]
+fn interleaving_keeps_the_mean_of_every_block_of_its_pattern() {
+    let walls = walls(SIZE, ALBEDOS);
+    let mut renderer = renderer(room(&walls));
+    // The far half of the side wall: smooth light from the floor, far enough that a block's pixels see it from almost one place.
+    let light = spot(Vec3::new(2.0, 2.8, 2.5), Vec3::new(0.0, -1.0, 0.0), [10.0; 3], 10.0, 35.0);
+    let mut config = plain([128, 128], Vec3::new(3.5, 1.8, 2.5), Vec3::new(0.0, 1.8, 2.5), 30.0, light);
+    config.rsm.size = [MAP, MAP];
+    config.vpls.count = 4096;
+    let mut blocks = |interleave: u32| {
+        config.gather.interleave = interleave;
+        let picture = picture(&mut renderer, &config);
+        let texels: Vec<Vec3> = picture.irradiance.rgb().collect();
+        let block = |i: usize| {
+            let (x, y) = (i % 16 * 8, i / 16 * 8);
+            (0..64).map(|k| texels[(y + k / 8) * 128 + x + k % 8].as_dvec3()).sum::<DVec3>() / 64.0
+        };
+        (texels.clone(), (0..256).map(block).collect::<Vec<_>>())
+    };
+    let (plain, expected) = blocks(1);
+    for interleave in [2, 4, 8] {
+        let (texels, found) = blocks(interleave);
+        assert_ne!(texels, plain, "interleaving changes single pixels");
+        let errors = found.iter().zip(&expected).map(|(a, b)| ((*a - *b).abs() / *b).max_element());
+        let worst = errors.fold(0.0, f64::max);
+        println!("interleave {interleave}: the worst block is off by {:.3} %", worst * 100.0);
+        assert!(worst < 0.01, "interleave {interleave}: a block is off by {:.2} %", worst * 100.0);
+    }
+    finish(renderer.gpu());
+}

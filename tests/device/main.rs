@@ -1,0 +1,12 @@
+//! What the engine does on a device: the software driver, with the validation layer and its synchronization validation on.
+
+mod common;
+mod direct;
+mod files;
+mod functions;
+mod graph;
+mod indirect;
+#[path = "../gltf/make.rs"]
+#[allow(dead_code)] // The loader's tests use the rest.
+mod make;
+mod repeat;

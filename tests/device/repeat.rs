@@ -1,0 +1,171 @@
+//! The same run gives the same picture, however it is watched and timed.
+
+use crate::common::*;
+use glam::Vec3;
+use manylight::config::{Builtin, Config, SceneConfig};
+use manylight::gpu::{DeviceChoice, Options};
+use manylight::graph::{DumpData, Execution, Timing};
+use manylight::output::exr::Precision;
+use manylight::output::{Layer, write_exr, write_png};
+use manylight::renderer::{Picture, Renderer, load_scene};
+
+fn config() -> Config {
+    let mut config = Config { scene: SceneConfig { builtin: Some(Builtin::Cornell), ..SceneConfig::default() }, ..Config::default() };
+    config.frame.size = [160, 120];
+    config.rsm.size = [128, 128];
+    config.vpls.count = 512;
+    config
+}
+
+fn cornell() -> Renderer {
+    renderer(load_scene(&config().scene).unwrap().0)
+}
+
+/// The bytes of the files that a picture becomes.
+fn files(picture: &Picture) -> [Vec<u8>; 2] {
+    let folder = tempfile::tempdir().unwrap();
+    let (png, exr) = (folder.path().join("image.png"), folder.path().join("image.exr"));
+    let [width, height] = picture.size;
+    write_png(&png, width, height, &picture.image).unwrap();
+    let planes = [
+        ("", &picture.radiance),
+        ("direct", &picture.direct),
+        ("indirect", &picture.indirect),
+        ("irradiance", &picture.irradiance),
+        ("albedo", &picture.albedo),
+    ];
+    let mut layers: Vec<Layer> =
+        planes.iter().map(|(name, plane)| Layer::interleaved(name, "RGB", plane.channels, &plane.values, Precision::Half)).collect();
+    let vectors = |v: Vec<Vec3>| v.iter().flat_map(|v| v.to_array()).collect::<Vec<f32>>();
+    layers.push(Layer::interleaved("N", "XYZ", 3, &vectors(picture.normals()), Precision::Float));
+    layers.push(Layer::interleaved("P", "XYZ", 3, &vectors(picture.positions()), Precision::Float));
+    layers.push(Layer::interleaved("", "Z", 1, &picture.distances(), Precision::Float));
+    write_exr(&exr, width, height, layers, &[]).unwrap();
+    [png, exr].map(|path| std::fs::read(path).unwrap())
+}
+
+fn run(renderer: &mut Renderer, execution: &Execution) -> manylight::renderer::Rendered {
+    renderer.render(&config(), 0, true, execution).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+#[test]
+fn the_same_run_on_a_fresh_device_gives_the_same_bytes() {
+    let [first, second] = [(), ()].map(|()| {
+        let mut renderer = cornell();
+        let rendered = run(&mut renderer, &Execution::default());
+        finish(renderer.gpu());
+        files(&rendered.picture.unwrap())
+    });
+    assert_eq!(first[0].len(), second[0].len());
+    assert!(first[0] == second[0], "the PNGs differ");
+    assert!(first[1] == second[1], "the EXRs differ");
+}
+
+#[test]
+fn neither_timing_nor_dumps_nor_checks_change_the_picture() {
+    let mut renderer = cornell();
+    let plain = files(&run(&mut renderer, &Execution::default()).picture.unwrap());
+    let watched = Execution {
+        dump: ["rsm/draw", "vpls/regular", "gather/per-pixel", "compose/sum"].map(String::from).to_vec(),
+        check_nan: true,
+        ..Execution::default()
+    };
+    let executions = [
+        Execution { timing: Timing::Overlapped, ..Execution::default() },
+        Execution { timing: Timing::Serial, ..Execution::default() },
+        Execution { timing: Timing::Overlapped, ..watched.clone() },
+        Execution { timing: Timing::Serial, ..watched.clone() },
+        watched,
+    ];
+    for execution in executions {
+        let rendered = run(&mut renderer, &execution);
+        assert!(files(&rendered.picture.unwrap()) == plain, "{execution:?} changes the picture");
+        assert_eq!(rendered.non_finite, Vec::new());
+        let dumped: Vec<(&str, &str)> = rendered.dumps.iter().map(|dump| (dump.pass, dump.resource.as_str())).collect();
+        if execution.dump.is_empty() {
+            assert!(dumped.is_empty());
+            continue;
+        }
+        let expected = [
+            ("rsm/draw", "rsm/normal"),
+            ("rsm/draw", "rsm/albedo"),
+            ("rsm/draw", "rsm/depth"),
+            ("vpls/regular", "vpls/points"),
+            ("vpls/regular", "vpls/intensities"),
+            ("gather/per-pixel", "gather/irradiance"),
+            ("compose/sum", "compose/indirect"),
+            ("compose/sum", "compose/radiance"),
+            ("compose/sum", "compose/image"),
+        ];
+        assert_eq!(dumped, expected);
+        for dump in &rendered.dumps {
+            let bytes = match &dump.data {
+                DumpData::Image { format, size, layers, texels } => {
+                    assert_eq!(texels.len(), format.texel_bytes() * (size[0] * size[1] * layers) as usize, "{}", dump.resource);
+                    texels
+                }
+                DumpData::Buffer { element_bytes, bytes, .. } => {
+                    assert_eq!(bytes.len(), element_bytes * 512, "{}", dump.resource);
+                    bytes
+                }
+            };
+            assert!(bytes.iter().any(|byte| *byte != 0), "{} is empty", dump.resource);
+        }
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn a_number_that_is_not_finite_is_found_in_the_first_pass_that_makes_it() {
+    let mut scene = load_scene(&config().scene).unwrap().0;
+    scene.materials.iter_mut().for_each(|material| material.emission[1] = f32::INFINITY);
+    let mut renderer = renderer(scene);
+    let rendered = run(&mut renderer, &Execution { check_nan: true, ..Execution::default() });
+    let first = rendered.non_finite.first().unwrap_or_else(|| panic!("nothing was found"));
+    assert_eq!((first.0, first.1.as_str()), ("gbuffer/draw", "gbuffer/emission"));
+    let covered = rendered.picture.unwrap().depth.values.iter().filter(|depth| **depth > 0.0).count();
+    assert_eq!(first.2 as usize, covered);
+    assert!(rendered.non_finite.iter().any(|(pass, ..)| *pass == "compose/sum"));
+    assert!(rendered.non_finite.iter().all(|(pass, ..)| *pass != "gather/per-pixel"));
+    finish(renderer.gpu());
+}
+
+/// Stamps on the device and the host's clock around single submissions must tell the same story, pass by pass: a stamp that
+/// takes effect late charges a pass's work to the one after it.
+#[test]
+fn isolated_and_serial_timing_agree_pass_by_pass() {
+    // Without the validation layer, whose own work would be in the host's times; the frames are watched by it in the tests above.
+    let options = Options { device: DeviceChoice::Cpu, validate: false };
+    let mut renderer = Renderer::open(&options, load_scene(&config().scene).unwrap().0).unwrap();
+    let mut config = config();
+    config.frame.size = [256, 192];
+    config.gather.interleave = 1;
+    let mut samples: [Vec<Vec<f64>>; 2] = Default::default();
+    let mut names = Vec::new();
+    // Alternating, so that whatever else the machine does meets both.
+    for round in 0..6 {
+        for (timing, samples) in [Timing::Isolated, Timing::Serial].into_iter().zip(&mut samples) {
+            let times = renderer.render(&config, 0, false, &Execution { timing, ..Execution::default() }).unwrap().times;
+            names = times.iter().map(|(name, _)| *name).collect();
+            // The first makes pipelines and lets the driver compile.
+            if round > 0 {
+                samples.push(times.iter().map(|(_, ms)| *ms).collect());
+            }
+        }
+    }
+    let median = |samples: &[Vec<f64>], value: &dyn Fn(&[f64]) -> f64| {
+        let mut values: Vec<f64> = samples.iter().map(|times| value(times)).collect();
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
+    let agree = |what: &str, value: &dyn Fn(&[f64]) -> f64| {
+        let [isolated, serial] = samples.each_ref().map(|samples| median(samples, value));
+        println!("{what}: {isolated:.2} ms isolated, {serial:.2} ms serial");
+        let slack = (0.25 * isolated.max(serial)).max(10.0);
+        assert!((isolated - serial).abs() <= slack, "{what}: {isolated:.2} ms isolated, {serial:.2} ms serial");
+    };
+    for (i, name) in names.iter().enumerate() {
+        agree(name, &|times| times[i]);
+    }
+    agree("all passes", &|times| times.iter().sum());
+}
