@@ -233,7 +233,7 @@ fn list() -> Vec<KeyInfo> {
         key("gather.interleave", OneOf(&[1, 2, 4, 8]), "Side of the block of pixels that share out the lights"),
         key("gather.min_distance", from(0.0, 1e6), "Below this distance a light gets no brighter, metres; 0 turns it off"),
         key("filter.kind", Choice(choices::<FilterKind>()), "How the indirect light is smoothed"),
-        absent("filter.radius", Whole { min: 1, max: 32 }, "from `gather.interleave`", "Pixels to each side"),
+        absent("filter.radius", Whole { min: 1, max: 32 }, "from `gather.interleave`", "Where a neighbour's weight reaches 0, pixels away"),
         key("filter.normal_threshold_deg", above(0.0, 90.0), "Normals farther apart are not mixed, degrees"),
         key("filter.plane_distance", above(0.0, 1e6), "Points farther off the pixel's plane are not mixed, in units of view depth"),
         key("direct.shadows", Choice(choices::<Shadows>()), "Shadows of the direct light"),
