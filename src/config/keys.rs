@@ -240,7 +240,11 @@ fn list() -> Vec<KeyInfo> {
         key("direct.bias", from(0.0, 1e6), "How far surfaces move towards the light for the shadow test, metres"),
         key("direct.blur", Whole { min: 0, max: 8 }, "Filter radius of the shadow map, texels"),
         key("compose.exposure", above(0.0, 1e9), "Multiplies the radiance; only in the picture, never in the EXR"),
-        key("compose.background", Color, "Shown where there is no surface, beside an environment; it lights nothing and is in the picture alone"),
+        key(
+            "compose.background",
+            Color,
+            "Shown where there is no surface, beside an environment; it lights nothing and is in the picture alone",
+        ),
         key("compose.tonemap", Choice(choices::<Tonemap>()), "From radiance to [0, 1]; \"none\" clamps"),
         key("output.layers", Choices(choices::<Layer>()), "Layers of the EXR beside the final radiance"),
     ];
