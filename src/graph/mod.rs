@@ -8,8 +8,10 @@ mod check;
 mod engine;
 mod library;
 mod pass;
+mod pipelines;
 pub mod plan;
 mod pool;
+mod record;
 mod shader_struct;
 
 pub use engine::{Dump, DumpData, Engine, Execution, FrameOutcome, Timing};

@@ -1,0 +1,81 @@
+//! The engine's pipelines: made once for each shader, constants and targets, and held against every pass that uses them.
+
+use super::Graph;
+use super::check;
+use super::engine::Engine;
+use super::pass::{DrawList, Pass, Work};
+use crate::gpu::{PipelineId, RasterState, Shader};
+use anyhow::{Result, bail};
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct PipelineKey {
+    pub shader: &'static str,
+    pub constants: Vec<(&'static str, u32)>,
+    pub raster: Option<RasterState>,
+}
+
+impl Engine {
+    /// The pipeline of a pass, or of one of its draw lists, checked against what the pass declares.
+    pub(super) fn pipeline(&mut self, graph: &Graph, pass: &Pass, list: Option<&DrawList>) -> Result<PipelineId> {
+        let raster = match &pass.work {
+            Work::Compute(_) => None,
+            Work::Raster { color, depth, .. } => Some(RasterState {
+                color: color.iter().map(|target| target.image.format).collect(),
+                depth: depth.map(|(image, _)| image.format),
+                cull_back: list.is_some_and(|list| list.cull_back),
+            }),
+        };
+        let mut constants = pass.constants.clone();
+        constants.extend(list.iter().flat_map(|list| list.constants.iter().copied()));
+        let key = PipelineKey { shader: pass.shader, constants, raster };
+        let id = match self.pipelines.get(&key) {
+            Some(id) => *id,
+            None => {
+                let id = self.make_pipeline(pass, &key)?;
+                self.pipelines.insert(key.clone(), id);
+                id
+            }
+        };
+        // Another pass, or another frame, may declare itself differently over the same pipeline.
+        check::bindings(graph, pass, list, self.gpu.bindings(id))?;
+        let extensions: &[&str] = if key.raster.is_some() { &["vert", "frag"] } else { &["comp"] };
+        let shaders = extensions.iter().map(|e| self.library.get(&format!("{}.{e}", pass.shader)));
+        check::params(pass, &shaders.map(|shader| shader.push_constants.as_ref()).collect::<Vec<_>>())?;
+        Ok(id)
+    }
+
+    fn make_pipeline(&mut self, pass: &Pass, key: &PipelineKey) -> Result<PipelineId> {
+        let ids = |shader: &Shader| -> Vec<(u32, u32)> {
+            let id = |name: &str| shader.constants.iter().find(|(known, _)| known == name).map(|(_, id)| *id);
+            key.constants.iter().filter_map(|(name, value)| Some((id(name)?, *value))).collect()
+        };
+        let known = |name: &str, shaders: &[&Shader]| shaders.iter().any(|s| s.constants.iter().any(|(n, _)| n == name));
+        let unknown = |shaders: &[&Shader]| key.constants.iter().map(|(name, _)| *name).find(|name| !known(name, shaders));
+        match &key.raster {
+            None => {
+                let shader = self.library.get(&format!("{}.comp", pass.shader));
+                if let Some(name) = unknown(&[shader]) {
+                    bail!("pass {}: the shader has no specialization constant {name}", pass.name);
+                }
+                self.gpu.create_compute_pipeline(pass.name, shader, &ids(shader))
+            }
+            Some(state) => {
+                let vertex = self.library.get(&format!("{}.vert", pass.shader));
+                let fragment = self.library.get(&format!("{}.frag", pass.shader));
+                if let Some(name) = unknown(&[vertex, fragment]) {
+                    bail!("pass {}: the shaders have no specialization constant {name}", pass.name);
+                }
+                if let Work::Raster { color, .. } = &pass.work {
+                    let mut outputs = fragment.outputs.clone();
+                    outputs.sort_by_key(|(_, location)| *location);
+                    let outputs: Vec<&str> = outputs.iter().map(|(name, _)| name.as_str()).collect();
+                    let declared: Vec<&str> = color.iter().map(|target| target.output).collect();
+                    if outputs != declared {
+                        bail!("pass {}: renders to {declared:?}, the shader's outputs are {outputs:?}", pass.name);
+                    }
+                }
+                self.gpu.create_raster_pipeline(pass.name, [vertex, fragment], [&ids(vertex), &ids(fragment)], state)
+            }
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! Records a frame's passes, submits them and times them.
+
+use super::Resource;
+use super::engine::Timing;
+use super::pass::{Extent, Pass, Work};
+use super::plan::Access;
+use crate::error::{Exit, exit_code};
+use crate::gpu::{Accesses, Attachment, Barrier, Bound, BufferId, Commands, Gpu, ImageId, PipelineId, Sampler, ShaderAccess, Stages};
+use anyhow::{Context, Result};
+use std::collections::HashMap;
+use std::time::Instant;
+
+/// A pass with everything looked up.
+pub(super) struct Ready<'g> {
+    pub pass: &'g Pass,
+    pub barrier: Option<Barrier>,
+    /// One for a dispatch, one a draw list for a raster pass.
+    pub steps: Vec<Step>,
+    pub dump: Vec<(Resource, BufferId)>,
+    /// Images to check, and where their counts go.
+    pub check: Vec<(ImageId, [u32; 3], u32)>,
+}
+
+pub(super) struct Step {
+    pub pipeline: PipelineId,
+    pub bound: Vec<(u32, Bound)>,
+}
+
+/// The frame's resources on the device.
+pub(super) struct Placed {
+    pub images: HashMap<usize, ImageId>,
+    pub buffers: HashMap<usize, BufferId>,
+}
+
+crate::shader_struct! {
+    /// Push constants of `check/non-finite`.
+    struct CheckParams {
+        size: [u32; 3],
+        slot: u32,
+    }
+}
+
+/// Runs passes and gives the time of each in milliseconds.
+pub(super) fn run(
+    gpu: &mut Gpu,
+    ready: &[Ready<'_>],
+    timing: Timing,
+    placed: &Placed,
+    checker: Option<(PipelineId, BufferId)>,
+    crumbs: BufferId,
+    read_backs: &[(Resource, BufferId)],
+) -> Result<Vec<(&'static str, f64)>> {
+    // The recorder borrows the device, so what it looks up there is looked up first.
+    let local_sizes: Vec<[u32; 3]> = ready.iter().map(|r| r.steps.first().map_or([1; 3], |step| gpu.local_size(step.pipeline))).collect();
+    let record_pass = |commands: &mut Commands<'_>, i: usize| record(commands, &ready[i], local_sizes[i], placed);
+    let after_pass = |commands: &mut Commands<'_>, i: usize| {
+        commands.fill_word(crumbs, 4 * i as u64, 1);
+        watch(commands, &ready[i], placed, checker);
+    };
+    let prologue = |commands: &mut Commands<'_>| {
+        (0..ready.len()).for_each(|i| commands.fill_word(crumbs, 4 * i as u64, 0));
+        let counts = ready.iter().map(|r| r.check.len()).sum::<usize>();
+        checker.iter().for_each(|(_, buffer)| (0..counts).for_each(|i| commands.fill_word(*buffer, 4 * i as u64, 0)));
+        commands.barrier(&Barrier::FULL);
+    };
+    let epilogue = |commands: &mut Commands<'_>| {
+        commands.barrier(&Barrier::FULL);
+        for (resource, buffer) in read_backs {
+            copy_out(commands, *resource, *buffer, placed);
+        }
+        commands.barrier_to_host();
+    };
+    let result = match timing {
+        Timing::Isolated | Timing::Overlapped => gpu.submit("a frame", |commands| {
+            prologue(commands);
+            let boundary = |commands: &mut Commands<'_>| {
+                if timing == Timing::Isolated {
+                    commands.barrier(&Barrier::FULL);
+                }
+                // On a software driver a timestamp only takes effect at the next flush, which the second one brings.
+                commands.stamp();
+                commands.stamp();
+            };
+            for (i, pass) in ready.iter().enumerate() {
+                boundary(commands);
+                if timing == Timing::Overlapped
+                    && let Some(barrier) = &pass.barrier
+                {
+                    commands.barrier(barrier);
+                }
+                record_pass(commands, i);
+                boundary(commands);
+                after_pass(commands, i);
+            }
+            epilogue(commands);
+        }),
+        Timing::Serial => Ok(()),
+    };
+    let serial = |gpu: &mut Gpu| -> Result<Vec<f64>> {
+        gpu.submit("a frame", prologue)?;
+        let mut times = Vec::with_capacity(ready.len());
+        for (i, pass) in ready.iter().enumerate() {
+            let start = Instant::now();
+            gpu.submit(pass.pass.name, |commands| {
+                record_pass(commands, i);
+                commands.barrier(&Barrier::FULL);
+            })?;
+            times.push(start.elapsed().as_secs_f64() * 1e3);
+            gpu.submit(pass.pass.name, |commands| after_pass(commands, i))?;
+        }
+        gpu.submit("a frame", epilogue)?;
+        Ok(times)
+    };
+    let times = result.and_then(|()| match timing {
+        Timing::Serial => serial(gpu),
+        _ => {
+            let stamps = gpu.timestamps(4 * ready.len() as u32)?;
+            Ok((0..ready.len()).map(|i| stamps[4 * i + 2] - stamps[4 * i]).collect())
+        }
+    });
+    let times = match times {
+        Err(error) if exit_code(&error) == Exit::DeviceLost => {
+            let ended = gpu.read_buffer(crumbs).chunks_exact(4).take(ready.len()).take_while(|word| word[0] == 1).count();
+            let last = ended.checked_sub(1).map_or("none", |i| ready[i].pass.name);
+            return Err(error).with_context(|| format!("rendering (the last pass known to have ended: {last})"));
+        }
+        other => other?,
+    };
+    Ok(ready.iter().map(|r| r.pass.name).zip(times).collect())
+}
+
+/// What a pass touches, for the plan.
+pub(super) fn accesses(pass: &Pass) -> Vec<Access> {
+    let stages = match pass.work {
+        Work::Compute(_) => Stages::COMPUTE,
+        Work::Raster { .. } => Stages::PRE_RASTER | Stages::FRAGMENT,
+    };
+    let mut all: Vec<Access> = Vec::new();
+    let mut add = |resource: usize, stages, accesses| match all.iter_mut().find(|known| known.resource == resource) {
+        Some(known) => {
+            known.stages |= stages;
+            known.accesses |= accesses;
+        }
+        None => all.push(Access { resource, stages, accesses }),
+    };
+    for used in &pass.uses {
+        let kinds = match used.access {
+            ShaderAccess::Read => Accesses::SHADER_READ,
+            ShaderAccess::Write => Accesses::SHADER_WRITE,
+            ShaderAccess::ReadWrite => Accesses::SHADER_READ | Accesses::SHADER_WRITE,
+        };
+        add(used.resource.index(), stages, kinds);
+    }
+    if let Work::Raster { color, depth, draws } = &pass.work {
+        let both = Accesses::ATTACHMENT_READ | Accesses::ATTACHMENT_WRITE;
+        color.iter().for_each(|target| add(target.image.index as usize, Stages::ATTACHMENT, both));
+        depth.iter().for_each(|(image, _)| add(image.index as usize, Stages::ATTACHMENT, both));
+        draws.iter().for_each(|list| add(list.arguments.index as usize, Stages::INDIRECT, Accesses::INDIRECT_READ));
+    }
+    all
+}
+
+fn record(commands: &mut Commands<'_>, ready: &Ready<'_>, local_size: [u32; 3], placed: &Placed) {
+    let pass = ready.pass;
+    commands.begin_label(pass.name);
+    let bind = |commands: &mut Commands<'_>, step: &Step| {
+        commands.bind(step.pipeline);
+        commands.push_descriptors(step.pipeline, &step.bound);
+        if let Some((_, bytes)) = &pass.params {
+            commands.push_constants(step.pipeline, bytes);
+        }
+    };
+    match &pass.work {
+        Work::Compute(extent) => {
+            let groups = match *extent {
+                Extent::Groups(groups) => groups,
+                Extent::Invocations(n) => std::array::from_fn(|axis| n[axis].div_ceil(local_size[axis])),
+            };
+            bind(commands, &ready.steps[0]);
+            commands.dispatch(groups);
+        }
+        Work::Raster { color, depth, draws } => {
+            let attachment = |image: super::Image, load| Attachment { image: placed.images[&(image.index as usize)], load };
+            let size =
+                color.iter().map(|target| target.image.size).chain(depth.iter().map(|(image, _)| image.size)).next().unwrap_or([1, 1]);
+            let color: Vec<Attachment> = color.iter().map(|target| attachment(target.image, target.load)).collect();
+            commands.begin_rendering(size, &color, depth.map(|(image, load)| attachment(image, load)));
+            for (list, step) in draws.iter().zip(&ready.steps) {
+                bind(commands, step);
+                commands.bind_geometry(list.vertices, list.indices);
+                commands.draw_indexed_indirect(placed.buffers[&(list.arguments.index as usize)], list.first, list.count);
+            }
+            commands.end_rendering();
+        }
+    }
+    commands.end_label();
+}
+
+/// Copies and counts what a pass has written, outside its time.
+fn watch(commands: &mut Commands<'_>, ready: &Ready<'_>, placed: &Placed, checker: Option<(PipelineId, BufferId)>) {
+    if ready.dump.is_empty() && ready.check.is_empty() {
+        return;
+    }
+    commands.barrier(&Barrier::FULL);
+    for (resource, buffer) in &ready.dump {
+        copy_out(commands, *resource, *buffer, placed);
+    }
+    if let Some((pipeline, counts)) = checker {
+        for (image, size, slot) in &ready.check {
+            let sampled = Bound::SampledImage { image: *image, array: true, sampler: Sampler::Nearest };
+            commands.bind(pipeline);
+            // In the order of the shader's names: counts, image.
+            commands.push_descriptors(pipeline, &[(0, Bound::StorageBuffer(counts)), (1, sampled)]);
+            commands.push_constants(pipeline, bytemuck::bytes_of(&CheckParams { size: *size, slot: *slot }));
+            commands.dispatch([size[0].div_ceil(8), size[1].div_ceil(8), size[2]]);
+        }
+    }
+    commands.barrier(&Barrier::FULL);
+}
+
+fn copy_out(commands: &mut Commands<'_>, resource: Resource, buffer: BufferId, placed: &Placed) {
+    match resource {
+        Resource::Image(image) => commands.copy_image_to_buffer(placed.images[&(image.index as usize)], buffer),
+        Resource::Buffer(from) => {
+            let from = placed.buffers[&(from.index as usize)];
+            commands.copy_whole_buffer(from, buffer);
+        }
+    }
+}
