@@ -61,7 +61,8 @@ impl Place {
     }
 }
 
-const SMALL: &str = "[scene]\nbuiltin = \"cornell\"\n[frame]\nsize = [64, 48]\ncount = 2\nwarmup = 1\n[rsm]\nsize = [64, 64]\n[vpls]\ncount = 64\n";
+const SMALL: &str =
+    "[scene]\nbuiltin = \"cornell\"\n[frame]\nsize = [64, 48]\ncount = 2\nwarmup = 1\n[rsm]\nsize = [64, 64]\n[vpls]\ncount = 64\n";
 
 fn run(command: &mut Command) -> Output {
     command.output().unwrap()
@@ -93,7 +94,18 @@ fn failed(what: &str, output: &Output, code: i32, says: &[&str]) {
 fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
     let place = Place::new();
     let config = place.config("");
-    let output = run(place.manylight().args(["render", "box.toml", "-o", "out", "--device", "cpu", "--validate", "--check-nan", "--dump", "rsm/draw"]));
+    let output = run(place.manylight().args([
+        "render",
+        "box.toml",
+        "-o",
+        "out",
+        "--device",
+        "cpu",
+        "--validate",
+        "--check-nan",
+        "--dump",
+        "rsm/draw",
+    ]));
     succeeded(&output);
     let stdout = text(&output.stdout);
     for part in ["gather", "gbuffer", "image.png", "median", "cpu"] {
@@ -114,10 +126,14 @@ fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
     assert_eq!(names, expected);
     // What the picture is made of adds up: the box emits only at its lamp.
     let channel = |name: &str| &exr.channels[name];
-    let sums = channel("R").iter().zip(channel("direct.R")).zip(channel("indirect.R")).map(|((all, direct), indirect)| all - direct - indirect);
+    let sums =
+        channel("R").iter().zip(channel("direct.R")).zip(channel("indirect.R")).map(|((all, direct), indirect)| all - direct - indirect);
     assert!(sums.filter(|rest| rest.abs() > 2e-3).count() < 200);
     let indirect = channel("indirect.R").iter().zip(channel("irradiance.R")).zip(channel("albedo.R"));
-    assert!(indirect.clone().all(|((l, e), a)| (l - e * a / std::f32::consts::PI).abs() <= 2e-3 * l.max(1e-3)), "indirect is irradiance times albedo over pi");
+    assert!(
+        indirect.clone().all(|((l, e), a)| (l - e * a / std::f32::consts::PI).abs() <= 2e-3 * l.max(1e-3)),
+        "indirect is irradiance times albedo over pi"
+    );
 
     let png = image::open(place.path("out/image.png")).unwrap();
     assert_eq!((png.width(), png.height()), (64, 48));
@@ -137,7 +153,14 @@ fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
     // The record's config renders the same again, from wherever it lies.
     let again: manylight::config::Config = serde_json::from_value(json["config"].clone()).unwrap();
     let again = place.write("elsewhere/again.toml", manylight::config::to_toml(&again));
-    succeeded(&run(place.manylight().args([again.as_os_str(), "-o".as_ref(), "second".as_ref(), "-q".as_ref(), "--device".as_ref(), "cpu".as_ref()])));
+    succeeded(&run(place.manylight().args([
+        again.as_os_str(),
+        "-o".as_ref(),
+        "second".as_ref(),
+        "-q".as_ref(),
+        "--device".as_ref(),
+        "cpu".as_ref(),
+    ])));
     for file in ["image.png"] {
         assert!(fs::read(place.path("out").join(file)).unwrap() == fs::read(place.path("second").join(file)).unwrap(), "{file} differs");
     }
@@ -236,7 +259,10 @@ fn bad_input_ends_with_one_sentence_its_code_and_no_output() {
         triangle(|json, bin| {
             let at = bin.len();
             bin.extend_from_slice(b"\x89PNG\r\n\x1a\nand then no picture at all");
-            json["bufferViews"].as_array_mut().unwrap().push(serde_json::json!({"buffer": 0, "byteOffset": at, "byteLength": bin.len() - at}));
+            json["bufferViews"]
+                .as_array_mut()
+                .unwrap()
+                .push(serde_json::json!({"buffer": 0, "byteOffset": at, "byteLength": bin.len() - at}));
             json["images"] = serde_json::json!([{"bufferView": 1, "mimeType": "image/png"}]);
             json["textures"] = serde_json::json!([{"source": 0}]);
             json["materials"] = serde_json::json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
@@ -244,14 +270,20 @@ fn bad_input_ends_with_one_sentence_its_code_and_no_output() {
         }),
     );
     for name in ["good", "cut", "nothing", "picture", "missing"] {
-        place.write(&format!("{name}.toml"), format!("[scene]\nfile = \"{name}.glb\"\n[frame]\nsize = [32, 32]\ncount = 1\nwarmup = 0\n{LIGHT}"));
+        place.write(
+            &format!("{name}.toml"),
+            format!("[scene]\nfile = \"{name}.glb\"\n[frame]\nsize = [32, 32]\ncount = 1\nwarmup = 0\n{LIGHT}"),
+        );
     }
     place.write("dark.toml", "[scene]\nfile = \"good.glb\"\n[frame]\nsize = [32, 32]\n");
     place.write("typo.toml", "[gather]\ninterlaeve = 2\n");
     place.write("kind.toml", "[frame]\nsize = \"big\"\n");
     place.write("range.toml", "[gather]\ninterleave = 3\n");
     place.write("syntax.toml", "[frame\nsize = [1, 2]\n");
-    place.write("huge.toml", format!("{SMALL}[materials]\n").replace("size = [64, 48]", "size = [16384, 16384]").replace("16384, 16384", "16385, 8"));
+    place.write(
+        "huge.toml",
+        format!("{SMALL}[materials]\n").replace("size = [64, 48]", "size = [16384, 16384]").replace("16384, 16384", "16385, 8"),
+    );
     place.write("in-the-way", "a file where a folder should be");
 
     // The same file without a fault renders: what is refused is what was bent.
@@ -353,5 +385,10 @@ fn an_injected_fault_ends_with_its_code_names_what_it_met_and_leaves_no_file() {
             assert_eq!(place.files("out"), Vec::<String>::new(), "{fault}");
         }
     }
-    failed("a fault by no known name", &run(place.manylight().env("MANYLIGHT_FAULT", "flood").args(["box.toml", "--device", "cpu"])), 2, &["MANYLIGHT_FAULT", "flood"]);
+    failed(
+        "a fault by no known name",
+        &run(place.manylight().env("MANYLIGHT_FAULT", "flood").args(["box.toml", "--device", "cpu"])),
+        2,
+        &["MANYLIGHT_FAULT", "flood"],
+    );
 }

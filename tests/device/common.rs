@@ -49,13 +49,7 @@ pub fn plain(size: [u32; 2], position: Vec3, target: Vec3, fov_y_deg: f32, light
 }
 
 pub fn directional(direction: Vec3, irradiance: [f32; 3]) -> LightConfig {
-    LightConfig::Directional {
-        direction: Some(direction.into()),
-        position: None,
-        target: None,
-        irradiance,
-        keyframes: Vec::new(),
-    }
+    LightConfig::Directional { direction: Some(direction.into()), position: None, target: None, irradiance, keyframes: Vec::new() }
 }
 
 pub fn spot(position: Vec3, direction: Vec3, intensity: [f32; 3], inner_deg: f32, outer_deg: f32) -> LightConfig {

@@ -109,9 +109,8 @@ fn a_spot_light_of_a_gltf_file_falls_off_with_the_squared_cosine_term_of_its_ext
     let mut renderer = renderer(scene);
     let mut config = seen_from(Vec3::new(1.0, 6.0, 1.5), directional(Vec3::NEG_Y, [1.0; 3]));
     config.light.clear();
-    let expected = under_spot(DVec3::splat(25.0), |angle| {
-        ((angle.cos() - outer.cos()) / (inner.cos() - outer.cos())).clamp(0.0, 1.0).powi(2)
-    });
+    let expected =
+        under_spot(DVec3::splat(25.0), |angle| ((angle.cos() - outer.cos()) / (inner.cos() - outer.cos())).clamp(0.0, 1.0).powi(2));
     let peak = expected(DVec3::ZERO).max_element();
     compare("None", &picture(&mut renderer, &config), &expected, peak * ANGLE);
     finish(renderer.gpu());

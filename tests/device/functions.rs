@@ -222,7 +222,10 @@ fn the_permutation_takes_every_number_once_at_every_count() {
         let mut sorted = values.clone();
         sorted.sort_unstable();
         assert!(sorted.iter().copied().eq(0..count), "count {count} is no permutation");
-        assert!(count < 16 || values.iter().enumerate().filter(|(i, v)| *i == **v as usize).count() < count as usize / 4, "count {count} is not shuffled");
+        assert!(
+            count < 16 || values.iter().enumerate().filter(|(i, v)| *i == **v as usize).count() < count as usize / 4,
+            "count {count} is not shuffled"
+        );
     }
 }
 
@@ -401,7 +404,8 @@ fn a_pixels_position_comes_back_from_its_depth() {
     let camera =
         Camera { name: String::new(), position: Vec3::new(1.0, 2.0, 3.0), target: Vec3::new(-2.0, 1.0, 0.0), up: Vec3::Y, fov_y_deg: 50.0 };
     let view = View::new(&camera, [64, 48], BOUNDS);
-    let inputs: Vec<[f32; 4]> = (0..64 * 48).map(|i| [(i % 64) as f32, (i / 64) as f32, view.near / (0.1 + i as f32 * 0.01), 0.0]).collect();
+    let inputs: Vec<[f32; 4]> =
+        (0..64 * 48).map(|i| [(i % 64) as f32, (i / 64) as f32, view.near / (0.1 + i as f32 * 0.01), 0.0]).collect();
     let bits: Vec<[u32; 4]> = inputs.iter().map(|v| v.map(f32::to_bits)).collect();
     let declarations = "layout(scalar) uniform ViewBlock { View it; } view;";
     let body = "result = floatBitsToUint(vec4(view_position(view.it, ivec2(v.xy), v.z), 0.0));";
@@ -465,11 +469,13 @@ fn the_microfacets_of_ggx_cover_the_surface_once_from_every_direction() {
     for alpha in [0.1f32, 0.4, 1.0] {
         for nv in [0.2f32, 0.6, 0.95] {
             // Half vectors by u = nh^2 and azimuth; D and V apart, as V(1, 1) is 1/4.
-            let cosines: Vec<f64> = (0..N).map(|i| {
-                // Denser where the distribution is: its own inverse transform.
-                let xi = (i as f64 + 0.5) / N as f64;
-                ((1.0 - xi) / (1.0 + (f64::from(alpha).powi(2) - 1.0) * xi)).sqrt()
-            }).collect();
+            let cosines: Vec<f64> = (0..N)
+                .map(|i| {
+                    // Denser where the distribution is: its own inverse transform.
+                    let xi = (i as f64 + 0.5) / N as f64;
+                    ((1.0 - xi) / (1.0 + (f64::from(alpha).powi(2) - 1.0) * xi)).sqrt()
+                })
+                .collect();
             let inputs: Vec<[f32; 4]> = cosines.iter().map(|nh| [alpha, *nh as f32, 1.0, nv]).collect();
             let found = numbers("r.x = 4.0 * ggx(v.x, v.y, 1.0, 1.0); r.y = ggx(v.x, v.y, 1.0, v.w);", &inputs);
             let (mut area, mut seen) = (0.0, 0.0);
@@ -501,7 +507,9 @@ fn a_brdf_is_lambert_for_dielectrics_and_ggx_with_the_base_colour_for_metals() {
     let inputs: Vec<[f32; 4]> = directions.iter().map(|l| l.extend(0.5).into()).collect();
     let eye = Vec2::new(0.3, -0.2).extend(1.0).normalize();
     let call = |metallic: &str, glossy: &str| {
-        let body = format!("r.xyz = brdf(vec3(0.8, 0.4, 0.2), {metallic}, v.w, {glossy}, vec3(0.0, 0.0, 1.0), v.xyz, normalize(vec3(0.3, -0.2, 1.0)));");
+        let body = format!(
+            "r.xyz = brdf(vec3(0.8, 0.4, 0.2), {metallic}, v.w, {glossy}, vec3(0.0, 0.0, 1.0), v.xyz, normalize(vec3(0.3, -0.2, 1.0)));"
+        );
         numbers(&body, &inputs)
     };
     let (lambert, metal, half) = (call("0.0", "false"), call("1.0", "false"), call("0.5", "false"));

@@ -54,8 +54,7 @@ fn compare(turn: DQuat, walls: &[Wall], light: LightConfig, lit: impl Fn(&Wall, 
 
     let all = receivers(&every, walls);
     assert!(all.len() > 1000, "{} receivers", all.len());
-    let against_walls: Vec<_> =
-        all.iter().step_by(7).map(|(x, n, found)| (*found, one_bounce(walls, 96, *x, *n, &lit))).collect();
+    let against_walls: Vec<_> = all.iter().step_by(7).map(|(x, n, found)| (*found, one_bounce(walls, 96, *x, *n, &lit))).collect();
     let error = mean_error(&against_walls);
     println!("all texels against the walls: {:.3} % over {} pixels", error * 100.0, against_walls.len());
     assert!(error < 0.02, "all texels differ from the walls by {:.2} %", error * 100.0);
