@@ -161,9 +161,8 @@ fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
         "--device".as_ref(),
         "cpu".as_ref(),
     ])));
-    for file in ["image.png"] {
-        assert!(fs::read(place.path("out").join(file)).unwrap() == fs::read(place.path("second").join(file)).unwrap(), "{file} differs");
-    }
+    let [first, second] = ["out/image.png", "second/image.png"].map(|file| fs::read(place.path(file)).unwrap());
+    assert!(first == second, "the pictures differ");
     let second = read_exr(&place.path("second/image.exr")).unwrap();
     assert!(second.channels == exr.channels, "the layers differ");
     assert!(config.exists());

@@ -38,6 +38,7 @@ void main() {
     out_tangent = vec4(0.0);
     if (NORMAL_MAP) {
         vec4 t = tangent_inverse(tangent);
-        out_tangent = vec4(linear * t.xyz, t.w * orientation);
+        // Whoever mirrors a draw turns its handedness with its triangles.
+        out_tangent = vec4(linear * t.xyz, t.w);
     }
 }

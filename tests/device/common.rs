@@ -123,8 +123,8 @@ pub fn room(walls: &[Wall]) -> Scene {
 }
 
 /// Irradiance at `x` on a surface of normal `n` from walls that reflect the irradiance `lit` once. Midpoints of n x n patches
-/// of each wall; nothing hides anything.
-pub fn one_bounce(walls: &[Wall], n: u32, x: DVec3, normal: DVec3, lit: impl Fn(&Wall, DVec3) -> DVec3) -> DVec3 {
+/// of each wall; nothing hides anything. No light gets brighter below the distance `nearest`.
+pub fn one_bounce(walls: &[Wall], nearest: f64, n: u32, x: DVec3, normal: DVec3, lit: impl Fn(&Wall, DVec3) -> DVec3) -> DVec3 {
     let mut sum = DVec3::ZERO;
     for wall in walls {
         let area = wall.u.cross(wall.v).length() / f64::from(n * n);
@@ -135,7 +135,7 @@ pub fn one_bounce(walls: &[Wall], n: u32, x: DVec3, normal: DVec3, lit: impl Fn(
             let cosines = d.dot(normal).max(0.0) * (-d.dot(wall.normal)).max(0.0);
             if cosines > 0.0 {
                 let squared = d.length_squared();
-                sum += lit(wall, y) * wall.albedo / PI * (cosines / (squared * squared) * area);
+                sum += lit(wall, y) * wall.albedo / PI * (cosines / (squared * squared.max(nearest * nearest)) * area);
             }
         }
     }

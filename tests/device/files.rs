@@ -1,7 +1,7 @@
 //! glTF files as the device draws them, looked at through a few pixels.
 
 use crate::common::*;
-use crate::make::{Make, png, push};
+use crate::make::{F32, Make, bytes as bytes_of, png, push};
 use glam::{Vec3, vec3};
 use manylight::renderer::Picture;
 use manylight::scene::Scene;
@@ -41,9 +41,12 @@ fn plain_image(rgba: [u8; 4]) -> Vec<u8> {
 }
 
 /// A square whose normals a map tilts to (x, y, z) by bytes; the node is drawn as it is and mirrored at x = 0.
-fn tilted(bytes: [u8; 3]) -> Picture {
+fn tilted(bytes: [u8; 3], given_tangents: bool) -> Picture {
     let [r, g, b] = bytes;
     let mut make = Make::textured(json!({"normalTexture": {"index": 0}}));
+    if given_tangents {
+        make.attribute("TANGENT", F32, "VEC4", &bytes_of([[1.0f32, 0.0, 0.0, 1.0]; 4].as_flattened()));
+    }
     make.texture(&plain_image([r, g, b, 255]));
     make.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "scale": [-1.0, 1.0, 1.0]}]);
     make.json["scenes"][0]["nodes"] = json!([0, 1]);
@@ -54,14 +57,14 @@ fn tilted(bytes: [u8; 3]) -> Picture {
 fn a_normal_map_tilts_normals_along_the_image_and_a_mirrored_instance_mirrors_them() {
     let byte = |byte: u8| f32::from(byte) / 255.0 * 2.0 - 1.0;
     // Red is to the image's right, which a mirrored instance has on its left; green is up in both.
-    let right = tilted([204, 128, 230]);
-    let expected = vec3(byte(204), byte(128), byte(230)).normalize();
-    near(at(&right, 0.5, 0.5).unwrap().1, expected, 2e-3);
-    near(at(&right, -0.5, 0.5).unwrap().1, expected * vec3(-1.0, 1.0, 1.0), 2e-3);
-    let up = tilted([128, 204, 230]);
-    let expected = vec3(byte(128), byte(204), byte(230)).normalize();
-    near(at(&up, 0.5, 0.5).unwrap().1, expected, 2e-3);
-    near(at(&up, -0.5, 0.5).unwrap().1, expected * vec3(-1.0, 1.0, 1.0), 2e-3);
+    for given_tangents in [false, true] {
+        for bytes in [[204, 128, 230], [128, 204, 230]] {
+            let picture = tilted(bytes, given_tangents);
+            let expected = Vec3::from(bytes.map(byte)).normalize();
+            near(at(&picture, 0.5, 0.5).unwrap().1, expected, 2e-3);
+            near(at(&picture, -0.5, 0.5).unwrap().1, expected * vec3(-1.0, 1.0, 1.0), 2e-3);
+        }
+    }
 }
 
 #[test]

