@@ -60,7 +60,7 @@ impl<'g> Commands<'g> {
         unsafe { self.gpu.device.cmd_pipeline_barrier2(self.buffer, &info) };
     }
 
-    pub(super) fn to_general(&mut self, image: ImageId) {
+    pub(super) fn make_general(&mut self, image: ImageId) {
         let slot = self.gpu.memory.image(image);
         let range = vk::ImageSubresourceRange::default()
             .aspect_mask(slot.desc.format.aspect())

@@ -49,8 +49,8 @@ struct Instance {
     handle: ash::Instance,
     has_debug_utils: bool,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
-    /// What the messenger's callback writes to; boxed so that its address stays.
-    _messages: Box<Arc<Mutex<Vec<String>>>>,
+    /// What the messenger's callback writes to: it must live as long.
+    _messages: Arc<Mutex<Vec<String>>>,
 }
 
 unsafe extern "system" fn on_message(
@@ -59,7 +59,7 @@ unsafe extern "system" fn on_message(
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
     user: *mut c_void,
 ) -> vk::Bool32 {
-    let (data, messages) = unsafe { (&*data, &*user.cast::<Arc<Mutex<Vec<String>>>>()) };
+    let (data, messages) = unsafe { (&*data, &*user.cast::<Mutex<Vec<String>>>()) };
     if let Some(text) = unsafe { data.message_as_c_str() } {
         messages.lock().unwrap_or_else(PoisonError::into_inner).push(text.to_string_lossy().into_owned());
     }
@@ -86,13 +86,12 @@ impl Instance {
         // Only armed here: the environment variables of newer layers are ignored by the older ones.
         let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
         let mut validation = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
-        let user = Box::new(messages.clone());
         let mut messenger_info = vk::DebugUtilsMessengerCreateInfoEXT::default()
             .message_severity(vk::DebugUtilsMessageSeverityFlagsEXT::ERROR | vk::DebugUtilsMessageSeverityFlagsEXT::WARNING)
             // Not performance: it wants transfer layouts, and images here stay in GENERAL.
             .message_type(vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION)
             .pfn_user_callback(Some(on_message))
-            .user_data(std::ptr::from_ref(&*user).cast_mut().cast());
+            .user_data(Arc::as_ptr(messages).cast_mut().cast());
         let mut info = vk::InstanceCreateInfo::default()
             .application_info(&application)
             .enabled_layer_names(&layer_names)
@@ -111,7 +110,7 @@ impl Instance {
         } else {
             None
         };
-        Ok(Self { _entry: entry, handle, has_debug_utils, messenger, _messages: user })
+        Ok(Self { _entry: entry, handle, has_debug_utils, messenger, _messages: messages.clone() })
     }
 
     fn adapters(&self) -> Result<Vec<Adapter>> {

@@ -223,7 +223,7 @@ impl Gpu {
     pub fn create_images(&mut self, descs: &[(&str, ImageDesc)]) -> Result<Vec<ImageId>> {
         let ids = descs.iter().map(|(name, desc)| self.create_image_undefined(name, desc)).collect::<Result<Vec<_>>>()?;
         if !ids.is_empty() {
-            self.submit("image layouts", |commands| ids.iter().for_each(|id| commands.to_general(*id)))?;
+            self.submit("image layouts", |commands| ids.iter().for_each(|id| commands.make_general(*id)))?;
         }
         Ok(ids)
     }

@@ -76,7 +76,15 @@ struct BucketKey {
     /// Bound as a uniform block: its numbers are the same for all that is drawn.
     material: u32,
     /// Image array and sampling of each map.
-    maps: [Option<(usize, (Wrap, Wrap, Filter))>; 4],
+    maps: [Option<MapKey>; 4],
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+struct MapKey {
+    array: usize,
+    u: Wrap,
+    v: Wrap,
+    filter: Filter,
 }
 
 struct Bucket {
@@ -171,10 +179,10 @@ impl DeviceScene {
         instances: u32,
         distance: impl Fn(Aabb) -> Option<f32>,
     ) -> Vec<DrawList> {
-        let mut drawn: Vec<(f32, &Bucket, Vec<(f32, DrawArguments)>)> = Vec::new();
+        let mut drawn = Vec::new();
         for bucket in &self.buckets {
             let part = |draw: &PlacedDraw| Some((distance(draw.bounds)?, DrawArguments { instance_count: instances, ..draw.arguments }));
-            let mut parts: Vec<_> = bucket.draws.iter().filter_map(part).collect();
+            let mut parts: Vec<(f32, DrawArguments)> = bucket.draws.iter().filter_map(part).collect();
             parts.sort_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((nearest, _)) = parts.first() {
                 drawn.push((*nearest, bucket, parts));
@@ -203,9 +211,9 @@ impl DeviceScene {
         for (map, (binding, constant)) in key.maps.iter().zip(MAPS).take(has) {
             constants.push((constant, u32::from(map.is_some())));
             textures.push(match map {
-                Some((array, (u, v, filter))) => {
-                    let sampler = Sampler::Material { u: wrapping(*u), v: wrapping(*v), linear: *filter == Filter::Linear };
-                    (binding, self.arrays[*array], sampler)
+                Some(key) => {
+                    let sampler = Sampler::Material { u: wrapping(key.u), v: wrapping(key.v), linear: key.filter == Filter::Linear };
+                    (binding, self.arrays[key.array], sampler)
                 }
                 None => (binding, self.blank, Sampler::Nearest),
             });
@@ -305,7 +313,9 @@ fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
             masked: material.alpha_cutoff.is_some(),
             double_sided: material.double_sided,
             colored: *colored,
-            maps: maps(material).map(|map| map.map(|m| (places[m.texture as usize].0, (m.wrap_u, m.wrap_v, m.filter)))),
+            maps: maps(material).map(|map| {
+                map.map(|map| MapKey { array: places[map.texture as usize].0, u: map.wrap_u, v: map.wrap_v, filter: map.filter })
+            }),
         };
         let place = |(part, bounds): (&Draw, &Aabb)| {
             let arguments = DrawArguments {
