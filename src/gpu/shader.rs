@@ -4,7 +4,7 @@ use anyhow::{Context, Result, bail};
 use spirq::constant::ConstantValue;
 use spirq::prelude::*;
 use spirq::ty::{AccessType, DescriptorType, Type};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ShaderStage {
@@ -82,7 +82,7 @@ impl Shader {
     pub fn new(name: &str, stage: ShaderStage, words: Vec<u32>) -> Result<Self> {
         let entry_points = ReflectConfig::new()
             .spv(words.clone())
-            .ref_all_rscs(false)
+            .ref_all_rscs(true)
             .combine_img_samplers(false)
             .reflect()
             .with_context(|| format!("glsl/{name}: reflection failed"))?;
@@ -98,10 +98,15 @@ impl Shader {
             outputs: Vec::new(),
             local_size: [(1, None); 3],
         };
+        // The reflection's own sense of what is used misses atomics on images.
+        let used = used_variables(&shader.words);
         for variable in entry.vars {
             match variable {
                 Variable::Descriptor { name: resource, desc_ty, ty, nbind, .. } => {
                     let resource = resource.unwrap_or_default();
+                    if !used.contains(&resource) {
+                        continue;
+                    }
                     if nbind != 1 {
                         bail!("glsl/{name}: {resource} is an array of bindings, which not every driver can index");
                     }
@@ -133,27 +138,63 @@ impl Shader {
 
     /// The words with each resource's binding number set from its name.
     pub(super) fn words_bound(&self, numbers: &HashMap<&str, u32>) -> Vec<u32> {
-        const OP_NAME: u32 = 5;
         const OP_DECORATE: u32 = 71;
         const DECORATION_BINDING: u32 = 33;
         let mut words = self.words.clone();
-        let mut names: HashMap<u32, String> = HashMap::new();
-        let mut at = 5;
-        while at < words.len() {
-            let (opcode, count) = (words[at] & 0xffff, (words[at] >> 16) as usize);
-            if opcode == OP_NAME {
-                let bytes: Vec<u8> = words[at + 2..at + count].iter().flat_map(|w| w.to_le_bytes()).take_while(|b| *b != 0).collect();
-                names.insert(words[at + 1], String::from_utf8_lossy(&bytes).into_owned());
-            }
+        let names = names(&words);
+        for (at, opcode, _) in instructions(&self.words) {
             if opcode == OP_DECORATE && words[at + 2] == DECORATION_BINDING {
                 let number = names.get(&words[at + 1]).and_then(|name| numbers.get(name.as_str()));
                 // A resource that is declared and never used keeps its number out of the way.
                 words[at + 3] = number.copied().unwrap_or(u32::from(u16::MAX));
             }
-            at += count.max(1);
         }
         words
     }
+}
+
+/// Every instruction of a module: where it begins, its opcode, its length in words.
+fn instructions(words: &[u32]) -> impl Iterator<Item = (usize, u32, usize)> {
+    let mut at = 5;
+    std::iter::from_fn(move || {
+        let word = *words.get(at)?;
+        let (start, length) = (at, ((word >> 16) as usize).max(1));
+        at += length;
+        (at <= words.len()).then_some((start, word & 0xffff, length))
+    })
+}
+
+/// The names that the module gives its ids.
+fn names(words: &[u32]) -> HashMap<u32, String> {
+    const OP_NAME: u32 = 5;
+    let text = |words: &[u32]| {
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0).collect();
+        String::from_utf8_lossy(&bytes).into_owned()
+    };
+    instructions(words)
+        .filter(|(_, opcode, length)| *opcode == OP_NAME && *length > 2)
+        .map(|(at, _, length)| (words[at + 1], text(&words[at + 2..at + length])))
+        .collect()
+}
+
+/// Names of the variables that some instruction loads from, stores to, points into or passes on.
+fn used_variables(words: &[u32]) -> HashSet<String> {
+    let names = names(words);
+    let mut used = HashSet::new();
+    for (at, opcode, length) in instructions(words) {
+        // Which words of the instruction are pointers.
+        let pointers = match opcode {
+            // OpStore, OpAtomicStore
+            62 | 228 => 1..2,
+            // OpImageTexelPointer, OpLoad, OpAccessChain, OpInBoundsAccessChain, OpArrayLength, OpCopyObject, OpAtomic*
+            60 | 61 | 65 | 66 | 68 | 83 | 227 | 229..=242 => 3..4,
+            // OpFunctionCall
+            57 => 4..length,
+            _ => continue,
+        };
+        used.extend(pointers.filter(|i| *i < length).filter_map(|i| names.get(&words[at + i]).cloned()));
+    }
+    used
 }
 
 fn binding(shader: &str, name: String, kind: &DescriptorType, ty: &Type) -> Result<Binding> {
