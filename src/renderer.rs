@@ -10,7 +10,7 @@ use crate::scene::device::DeviceScene;
 use crate::scene::gltf::{self, SceneChoice};
 use crate::scene::projection::{Projector, View};
 use crate::scene::{Aabb, Light, Scene, view};
-use crate::stages::METHODS;
+use crate::stages::{METHODS, gather};
 use anyhow::{Result, bail};
 use glam::Vec3;
 
@@ -166,7 +166,25 @@ impl Renderer {
             ));
         }
         check_methods(adapter, config)?;
-        self.lighting(config, 0).map(|_| ())
+        let maps = self.lighting(config, 0)?.projectors.len() as u64;
+        let texels = maps * u64::from(map[0]) * u64::from(map[1]);
+        let count = u64::from(config.vpls.count);
+        if count < maps || count > texels {
+            return Err(fail!(
+                BadInput,
+                "vpls.count: {count} is out of range, expected {maps} to {texels}: at least one for each shadow map, at most one a texel"
+            ));
+        }
+        let each = count.div_ceil(u64::from(config.gather.interleave * config.gather.interleave));
+        if each > gather::MOST_VPLS_A_PIXEL {
+            return Err(fail!(
+                BadInput,
+                "gather.interleave: {} leaves {each} VPLs to each pixel, over the {} that every driver sums; raise it or lower vpls.count",
+                config.gather.interleave,
+                gather::MOST_VPLS_A_PIXEL
+            ));
+        }
+        Ok(())
     }
 
     fn lighting(&self, config: &Config, frame_index: u32) -> Result<Lighting> {
@@ -203,19 +221,28 @@ impl Renderer {
         let lights = view::lights(config, &self.scene, 0);
         let environment = lights.iter().any(|light| matches!(light, Light::Environment { .. }));
         let warning = "light: an environment is seen by the camera, but lights nothing in a rasterized frame";
-        environment.then(|| warning.to_owned()).into_iter().collect()
+        let wide = |light: &Light| matches!(light, Light::Spot { outer, .. } if *outer > Projector::WIDEST_SPOT);
+        let cut = "light: a spot light is wider than 80 degrees to each side; beyond them it lights nothing";
+        let warnings = [environment.then_some(warning), lights.iter().any(wide).then_some(cut)];
+        warnings.into_iter().flatten().map(str::to_owned).collect()
     }
 
     /// Compiles the shaders and makes the pipelines of this config, so that no frame has to.
-    pub fn prepare(&mut self, config: &Config) -> Result<()> {
+    ///
+    /// Refuses names of passes to dump that the frame does not have.
+    pub fn prepare(&mut self, config: &Config, dump: &[String]) -> Result<()> {
         let mut g = Graph::new();
         self.describe(&mut g, config, 0)?;
+        if let Some(unknown) = dump.iter().find(|name| !g.pass_names().any(|pass| pass == *name)) {
+            let names = g.pass_names().collect::<Vec<_>>().join(", ");
+            return Err(fail!(BadInput, "--dump {unknown}: there is no such pass; there are {names}"));
+        }
         self.engine.prepare(&g)
     }
 
     /// The frame's graph, and the view that it is seen by.
     fn describe(&self, g: &mut Graph, config: &Config, frame_index: u32) -> Result<(Frame, View)> {
-        let camera = view::camera(config, &self.scene, frame_index)?;
+        let camera = view::camera(config, &self.scene, self.device_scene.bounds, frame_index)?;
         let view = View::new(&camera, config.frame.size, self.device_scene.bounds);
         let lighting = self.lighting(config, frame_index)?;
         Ok((frame(g, &self.device_scene, &view, &lighting, config), view))
@@ -225,10 +252,6 @@ impl Renderer {
     pub fn render(&mut self, config: &Config, frame_index: u32, pictured: bool, execution: &Execution) -> Result<Rendered> {
         let mut g = Graph::new();
         let (frame, view) = self.describe(&mut g, config, frame_index)?;
-        if let Some(unknown) = execution.dump.iter().find(|name| !g.pass_names().any(|pass| pass == *name)) {
-            let names = g.pass_names().collect::<Vec<_>>().join(", ");
-            return Err(fail!(BadInput, "--dump {unknown}: there is no such pass; there are {names}"));
-        }
         let images = [
             frame.composed.image,
             frame.composed.radiance,

@@ -34,9 +34,9 @@ void main() {
     float diffuse = 1.0 - texelFetch(metallic_roughness, pixel, 0).r;
     vec3 reflected = texelFetch(irradiance, pixel, 0).rgb * texelFetch(albedo, pixel, 0).rgb * (diffuse / PI);
     vec3 sum = surface ? reflected + texelFetch(direct, pixel, 0).rgb + texelFetch(emission, pixel, 0).rgb : params.environment;
-    vec3 shown = sum * params.exposure + (surface ? vec3(0.0) : params.background);
+    vec3 shown = min(sum, LARGEST_HALF) * params.exposure + (surface ? vec3(0.0) : params.background);
     if (REINHARD) shown = reinhard(shown);
-    imageStore(indirect, pixel, vec4(surface ? reflected : vec3(0.0), 1.0));
-    imageStore(radiance, pixel, vec4(sum, surface ? 1.0 : 0.0));
+    imageStore(indirect, pixel, vec4(surface ? min(reflected, LARGEST_HALF) : vec3(0.0), 1.0));
+    imageStore(radiance, pixel, vec4(min(sum, LARGEST_HALF), surface ? 1.0 : 0.0));
     imageStore(image, pixel, vec4(linear_to_srgb(clamp(shown, 0.0, 1.0)), 1.0));
 }

@@ -2,6 +2,7 @@
 //     float shadow(Light light, uint layer, vec2 uv, float distance);
 // the share of light that arrives at a distance along the map's axis.
 #include "lib/brdf.glsl"
+#include "lib/color.glsl"
 #include "lib/light.glsl"
 #include "lib/packing.glsl"
 #include "lib/view.glsl"
@@ -16,6 +17,7 @@ layout(scalar, push_constant) uniform Params {
     float bias;      // metres
     ivec2 map_size;  // texels
     int radius;      // texels
+    float lift;      // texels
 } params;
 
 layout(scalar) uniform ViewBlock { View it; } view;
@@ -29,14 +31,14 @@ layout(rgba16f) writeonly uniform image2D direct;
 float shadow(Light light, uint layer, vec2 uv, float distance);
 
 // The share of a light's map that reaches a point: none outside of the map.
-float visibility(Light light, uint layer, vec3 x, vec3 n) {
+float visibility(Light light, uint layer, vec3 x, vec3 n, float cosine) {
     // The point itself says which map it is in: the one lifted below may leave it at a spot's rim or a seam of a point light.
     vec4 clip = light.world_to_clip * vec4(x, 1.0);
     if (clip.w <= 0.0 || any(greaterThan(abs(clip.xy), vec2(clip.w)))) return 0.0;
-    // Off the surface by the bias and about a texel's width, so that it does not shadow itself.
+    // Off the surface by the bias, and by what a texel's width comes to on its slope, so that it does not shadow itself.
     vec2 texel = 2.0 * vec2(length(light.right), length(light.up)) / vec2(params.map_size);
     float width = max(texel.x, texel.y) * (light.kind == DIRECTIONAL ? 1.0 : dot(x - light.origin, light.direction));
-    vec3 lifted = x + n * (params.bias + abs(width));
+    vec3 lifted = x + n * (params.bias + params.lift * abs(width) * sqrt(max(1.0 - cosine * cosine, 0.0)));
     clip = light.world_to_clip * vec4(lifted, 1.0);
     // A light so near to the surface has nothing before it.
     if (clip.w <= 0.0) return 1.0;
@@ -60,10 +62,10 @@ void main() {
             vec3 l;
             vec3 arriving = light_irradiance(light, x, l) * max(dot(n, l), 0.0);
             if (any(greaterThan(arriving, vec3(0.0)))) {
-                arriving *= visibility(light, i, x, n);
+                arriving *= visibility(light, i, x, n, dot(n, l));
                 sum += arriving * brdf(base, METALS ? mr.x : 0.0, mr.y, GLOSSY_DIELECTRIC, n, l, v);
             }
         }
     }
-    imageStore(direct, pixel, vec4(sum, 1.0));
+    imageStore(direct, pixel, vec4(min(sum, LARGEST_HALF), 1.0));
 }

@@ -5,6 +5,7 @@
 #extension GL_KHR_shader_subgroup_ballot : require
 // Irradiance from virtual point lights. Pixels of an n x n pattern take one n^2-th of the VPLs each; a workgroup takes pixels n
 // apart, so that all of it runs through the same VPLs while it reads and writes the G-buffer's own pixels (Linke 2016, 4.5).
+#include "lib/color.glsl"
 #include "lib/packing.glsl"
 #include "lib/view.glsl"
 #include "lib/vpl.glsl"
@@ -52,9 +53,19 @@ void shade(inout Receiver r, vec3 position, vec3 facing, vec3 intensity) {
     r.sum += intensity * (cosines / max(squared * max(squared, params.squared_min_distance), 1e-20));
 }
 
+#define HAND_ROUND(lane) { \
+    vec3 position = subgroupBroadcast(point.position, lane); \
+    vec3 facing = subgroupBroadcast(point_normal, lane); \
+    vec3 intensity = subgroupBroadcast(point_intensity, lane); \
+    shade(a, position, facing, intensity); \
+    shade(b, position, facing, intensity); \
+    shade(c, position, facing, intensity); \
+    shade(d, position, facing, intensity); \
+}
+
 void store(Receiver r) {
     if (any(greaterThanEqual(uvec2(r.pixel), uvec2(view.it.width, view.it.height)))) return;
-    imageStore(irradiance, r.pixel, vec4(r.sum * float(INTERLEAVE * INTERLEAVE), 1.0));
+    imageStore(irradiance, r.pixel, vec4(min(r.sum * float(INTERLEAVE * INTERLEAVE), LARGEST_HALF), 1.0));
 }
 
 void main() {
@@ -79,16 +90,13 @@ void main() {
         uint index = first + min(start + gl_SubgroupInvocationID, count - 1u) * SETS;
         VplPoint point = points.at[index];
         vec3 point_normal = octahedral_snorm16_inverse(point.normal);
-        vec3 point_intensity = intensities.at[index];
-        uint size = min(lanes, count - start);
-        for (uint lane = 0u; lane < size; lane++) {
-            vec3 position = subgroupBroadcast(point.position, lane);
-            vec3 facing = subgroupBroadcast(point_normal, lane);
-            vec3 intensity = subgroupBroadcast(point_intensity, lane);
-            shade(a, position, facing, intensity);
-            shade(b, position, facing, intensity);
-            shade(c, position, facing, intensity);
-            shade(d, position, facing, intensity);
+        vec3 point_intensity = start + gl_SubgroupInvocationID < count ? intensities.at[index] : vec3(0.0);
+        // Four at a time: llvmpipe ends all loops of an invocation together after 65,535 turns.
+        for (uint lane = 0u; lane < lanes; lane += 4u) {
+            HAND_ROUND(lane)
+            HAND_ROUND(lane + 1u)
+            HAND_ROUND(lane + 2u)
+            HAND_ROUND(lane + 3u)
         }
     }
     store(a);

@@ -32,7 +32,6 @@ void main() {
     vec4 base = material.base_color;
     if (VERTEX_COLOR) base *= in_color;
     if (BASE_COLOR_MAP) base *= texture(base_color_map, map_coordinates(material.base_color_map, in_uv));
-    if (MASKED && base.a < material.alpha_cutoff) discard;
 
     float side = gl_FrontFacing ? 1.0 : -1.0;
     vec3 n = normalize(in_normal);
@@ -57,4 +56,6 @@ void main() {
     albedo = vec4(base.rgb, 1.0);
     metallic_roughness = mr;
     emission = vec4(emitted, 1.0);
+    // Last, since derivatives mean nothing after it.
+    if (MASKED && base.a < material.alpha_cutoff) discard;
 }

@@ -1,5 +1,8 @@
 // Curves between radiance and the screen.
 
+// Of 16 bits: what is brighter is stored as this, not as infinity.
+const float LARGEST_HALF = 65504.0;
+
 // Linear to sRGB-encoded, both in [0, 1].
 vec3 linear_to_srgb(vec3 c) {
     return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, greaterThan(c, vec3(0.0031308)));

@@ -39,7 +39,6 @@ void main() {
         tint *= texture(base_color_map, coordinates, params.albedo_lod).rgb;
         if (MASKED) base.a *= texture(base_color_map, coordinates).a;
     }
-    if (MASKED && base.a < material.alpha_cutoff) discard;
 
     float metallic = material.metallic;
     if (METALLIC_ROUGHNESS_MAP) {
@@ -55,4 +54,6 @@ void main() {
     bool lit = gl_FrontFacing || material.double_sided != 0u;
     normal = octahedral(light_normal(light, ndc, gl_FragCoord.z, gradient));
     albedo = vec4(lit ? tint * (1.0 - metallic) : vec3(0.0), 1.0);
+    // Last, since derivatives mean nothing after it.
+    if (MASKED && base.a < material.alpha_cutoff) discard;
 }

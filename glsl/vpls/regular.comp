@@ -13,7 +13,6 @@ layout(scalar, push_constant) uniform Params {
     uvec2 size;   // texels of a map
     uint lights;  // maps
     uint count;   // VPLs
-    bool shuffle;
 } params;
 
 layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
@@ -29,7 +28,7 @@ const float PI = 3.14159265358979;
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= params.count) return;
-    uint sample_index = params.shuffle ? permutation(index, params.count) : index;
+    uint sample_index = permutation(index, params.count);
 
     // The first lights get what the division leaves over.
     uint share = params.count / params.lights, rest = params.count % params.lights;
@@ -46,8 +45,8 @@ void main() {
     uint row = k < in_longer ? k / (in_row + 1u) : longer + (k - in_longer) / in_row;
     uint columns = in_row + uint(row < longer);
     uint column = k - (row * in_row + min(row, longer));
-    ivec2 texel = ivec2((vec2(column, row) + 0.5) * vec2(params.size) / vec2(columns, rows));
-    texel = min(texel, ivec2(params.size) - 1);
+    // The texel that holds the middle of the sample's share: in whole numbers, so that every device takes the same.
+    ivec2 texel = ivec2((2u * uvec2(column, row) + 1u) * params.size / (2u * uvec2(columns, rows)));
     float texels = float(params.size.x) / float(columns) * (float(params.size.y) / float(rows));
 
     VplPoint point = VplPoint(vec3(0.0), 0u);

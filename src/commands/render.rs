@@ -35,7 +35,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
 
     let mut execution = Execution { timing: timing(&config, &renderer.gpu().adapter), ..Execution::default() };
     progress.say("preparing the shaders");
-    renderer.prepare(&config)?;
+    renderer.prepare(&config, &args.dump)?;
     let first_pass_ms = started.elapsed().as_millis() as u64;
     for i in 0..config.frame.warmup {
         renderer.render(&config, 0, false, &execution)?;

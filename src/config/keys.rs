@@ -220,7 +220,7 @@ fn list() -> Vec<KeyInfo> {
         key("frame.count", frames(1), "Frames that are measured; the last one is the picture"),
         key("frame.warmup", frames(0), "Frames before them that are not measured"),
         key("frame.fps", above(0.0, f32::MAX), "Frames a second of animation time"),
-        key("frame.seed", U32, "Seed of what is random in a frame"),
+        key("frame.seed", U32, "Seed of what is random in a frame; none of the methods of today is"),
         key("frame.timing", Choice(choices::<TimingMode>()), "A barrier around each pass; none but the needed; or one submit a pass"),
         key("materials.dielectric", Choice(choices::<Dielectric>()), "How non-metals reflect"),
         key("rsm.size", Size { max: 8192 }, "Width and height of a light's reflective shadow map, texels"),
@@ -237,7 +237,11 @@ fn list() -> Vec<KeyInfo> {
         key("filter.normal_threshold_deg", above(0.0, 90.0), "Normals farther apart are not mixed, degrees"),
         key("filter.plane_distance", above(0.0, 1e6), "Points farther off the pixel's plane are not mixed, in units of view depth"),
         key("direct.shadows", Choice(choices::<Shadows>()), "Shadows of the direct light"),
-        key("direct.bias", from(0.0, 1e6), "How far surfaces move towards the light for the shadow test, metres"),
+        key(
+            "direct.bias",
+            from(0.0, 1e6),
+            "How far points are lifted off their surface for the shadow test, beside a texel's width on slopes, metres",
+        ),
         key("direct.blur", Whole { min: 0, max: 8 }, "Filter radius of the shadow map, texels"),
         key("compose.exposure", above(0.0, 1e9), "Multiplies the radiance; only in the picture, never in the EXR"),
         key(

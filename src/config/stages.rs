@@ -186,7 +186,7 @@ pub struct DirectConfig {
 
 impl Default for DirectConfig {
     fn default() -> Self {
-        Self { shadows: Shadows::Variance, bias: 0.02, blur: 1 }
+        Self { shadows: Shadows::Variance, bias: 0.005, blur: 1 }
     }
 }
 

@@ -40,16 +40,18 @@ pub enum Feature {
     MultiDrawIndirect,
     ShaderDrawParameters,
     LayerFromVertexShader,
-    /// Linear filtering of R32G32_SFLOAT.
+    /// Storage and linear filtering of R32G32_SFLOAT.
     FilteredRg32Float,
     /// R16G16_SNORM as a colour attachment.
     Snorm16Attachment,
+    /// Handing values round in a subgroup of at least 4, in compute shaders.
+    SubgroupBallot,
     /// Timestamps on the queue that runs graphics and compute.
     Timestamps,
 }
 
 impl Feature {
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Vulkan13,
         Self::PushDescriptors,
         Self::ScalarBlockLayout,
@@ -58,6 +60,7 @@ impl Feature {
         Self::LayerFromVertexShader,
         Self::FilteredRg32Float,
         Self::Snorm16Attachment,
+        Self::SubgroupBallot,
         Self::Timestamps,
     ];
     /// Without these no slot works.
@@ -73,8 +76,9 @@ impl fmt::Display for Feature {
             Self::MultiDrawIndirect => "multiDrawIndirect with drawIndirectFirstInstance",
             Self::ShaderDrawParameters => "shaderDrawParameters",
             Self::LayerFromVertexShader => "shaderOutputLayer",
-            Self::FilteredRg32Float => "linear filtering of R32G32_SFLOAT",
+            Self::FilteredRg32Float => "storage and linear filtering of R32G32_SFLOAT",
             Self::Snorm16Attachment => "R16G16_SNORM colour attachments",
+            Self::SubgroupBallot => "subgroup ballot operations in compute shaders",
             Self::Timestamps => "timestamp queries",
         })
     }
@@ -145,8 +149,10 @@ impl Adapter {
         if version >= vk::API_VERSION_1_2 {
             let mut driver_properties = vk::PhysicalDeviceDriverProperties::default();
             let mut push = vk::PhysicalDevicePushDescriptorPropertiesKHR::default();
+            let mut subgroup = vk::PhysicalDeviceSubgroupProperties::default();
             let mut maintenance4 = vk::PhysicalDeviceMaintenance4Properties::default();
-            let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver_properties).push_next(&mut push);
+            let mut properties =
+                vk::PhysicalDeviceProperties2::default().push_next(&mut driver_properties).push_next(&mut push).push_next(&mut subgroup);
             if modern {
                 properties = properties.push_next(&mut maintenance4);
             }
@@ -155,6 +161,9 @@ impl Adapter {
             let max_push_descriptors = push.max_push_descriptors;
             max_buffer = if modern { maintenance4.max_buffer_size } else { max_buffer };
 
+            let ballot = subgroup.supported_operations.contains(vk::SubgroupFeatureFlags::BASIC | vk::SubgroupFeatureFlags::BALLOT)
+                && subgroup.supported_stages.contains(vk::ShaderStageFlags::COMPUTE)
+                && subgroup.subgroup_size >= 4;
             let mut v11 = vk::PhysicalDeviceVulkan11Features::default();
             let mut v12 = vk::PhysicalDeviceVulkan12Features::default();
             let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
@@ -165,7 +174,8 @@ impl Adapter {
             unsafe { instance.get_physical_device_features2(handle, &mut all) };
             let core = all.features;
             let format = |format| unsafe { instance.get_physical_device_format_properties(handle, format) }.optimal_tiling_features;
-            let filtered = format(vk::Format::R32G32_SFLOAT).contains(vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR);
+            let filtered = format(vk::Format::R32G32_SFLOAT)
+                .contains(vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR | vk::FormatFeatureFlags::STORAGE_IMAGE);
             let snorm = format(vk::Format::R16G16_SNORM).contains(vk::FormatFeatureFlags::COLOR_ATTACHMENT);
             let on = vk::TRUE;
             features.extend(Feature::ALL.into_iter().filter(|feature| match feature {
@@ -177,6 +187,7 @@ impl Adapter {
                 Feature::LayerFromVertexShader => v12.shader_output_layer == on,
                 Feature::FilteredRg32Float => filtered,
                 Feature::Snorm16Attachment => snorm,
+                Feature::SubgroupBallot => ballot,
                 Feature::Timestamps => timestamp_bits > 0,
             }));
         }

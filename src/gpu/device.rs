@@ -148,6 +148,7 @@ impl Gpu {
 
     /// Opens the device that `options` choose. Errors say what there is, what is missing and which package brings it.
     pub fn new(options: &Options) -> Result<Self> {
+        let fault = Fault::from_environment()?;
         let messages = Arc::default();
         let instance = Instance::new(options.validate, &messages)?;
         let adapter = adapter::choose(&instance.adapters()?, &options.device)?;
@@ -194,7 +195,7 @@ impl Gpu {
             memory: Memory::new(&instance.handle, &device, adapter.handle)?,
             pipelines: Pipelines::default(),
             samplers: HashMap::new(),
-            fault: Fault::from_environment()?,
+            fault,
             adapter,
             device,
             queue,

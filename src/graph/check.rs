@@ -16,7 +16,10 @@ fn verb(access: ShaderAccess) -> &'static str {
 
 /// Compares a pass with the bindings of one of its pipelines.
 pub(super) fn bindings(graph: &Graph, pass: &Pass, list: Option<&DrawList>, bindings: &BTreeMap<String, (u32, Binding)>) -> Result<()> {
-    for used in &pass.uses {
+    for (i, used) in pass.uses.iter().enumerate() {
+        if pass.uses[..i].iter().any(|other| other.binding == used.binding) {
+            bail!("pass {}: {:?} is declared twice", pass.name, used.binding);
+        }
         let Some((_, binding)) = bindings.get(used.binding) else {
             bail!("pass {}: {:?} is declared {}, the shader does not use it", pass.name, used.binding, verb(used.access));
         };
@@ -65,12 +68,14 @@ fn kind(graph: &Graph, used: &Use, binding: &Binding) -> Result<()> {
 
 /// Compares push constants.
 pub(super) fn params(pass: &Pass, blocks: &[Option<&Block>]) -> Result<()> {
-    let block = blocks.iter().flatten().next();
-    match (&pass.params, block) {
-        (Some((element, _)), Some(block)) => element.check(block).with_context(|| format!("pass {}: params", pass.name)),
-        (Some(_), None) => bail!("pass {}: params are given, the shader has none", pass.name),
-        (None, Some(_)) => bail!("pass {}: the shader has params, none are given", pass.name),
-        (None, None) => Ok(()),
+    let mut blocks = blocks.iter().flatten().peekable();
+    match (&pass.params, blocks.peek().is_some()) {
+        (Some((element, _)), true) => {
+            blocks.try_for_each(|block| element.check(block)).with_context(|| format!("pass {}: params", pass.name))
+        }
+        (Some(_), false) => bail!("pass {}: params are given, the shader has none", pass.name),
+        (None, true) => bail!("pass {}: the shader has params, none are given", pass.name),
+        (None, false) => Ok(()),
     }
 }
 

@@ -14,6 +14,9 @@ static EMBEDDED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/glsl");
 /// Names a folder to read the shaders from instead of the embedded ones.
 pub const VARIABLE: &str = "MANYLIGHT_GLSL";
 
+/// How [`Library::compile`] compiles: part of the cache's keys, so it changes with that function.
+const OPTIONS: &str = "vulkan1.3, auto-bound uniforms, unoptimised, 1";
+
 /// All shader sources by their path below `glsl/`, and what has been compiled of them.
 pub struct Library {
     sources: BTreeMap<String, String>,
@@ -88,7 +91,7 @@ impl Library {
     fn key(&self, path: &str) -> Result<blake3::Hash> {
         let mut hasher = blake3::Hasher::new();
         let (version, revision) = shaderc::get_spirv_version();
-        hasher.update(format!("{} {version} {revision} {path}\0", env!("CARGO_PKG_VERSION")).as_bytes());
+        hasher.update(format!("{OPTIONS} {version} {revision} {path}\0").as_bytes());
         let mut open = vec![path.to_owned()];
         let mut seen = BTreeSet::new();
         while let Some(path) = open.pop() {

@@ -41,6 +41,15 @@ impl Engine {
         let extensions: &[&str] = if key.raster.is_some() { &["vert", "frag"] } else { &["comp"] };
         let shaders = extensions.iter().map(|e| self.library.get(&format!("{}.{e}", pass.shader)));
         check::params(pass, &shaders.map(|shader| shader.push_constants.as_ref()).collect::<Vec<_>>())?;
+        if let Work::Raster { color, .. } = &pass.work {
+            let mut outputs = self.library.get(&format!("{}.frag", pass.shader)).outputs.clone();
+            outputs.sort_by_key(|(_, location)| *location);
+            let outputs: Vec<&str> = outputs.iter().map(|(name, _)| name.as_str()).collect();
+            let declared: Vec<&str> = color.iter().map(|target| target.output).collect();
+            if outputs != declared {
+                bail!("pass {}: renders to {declared:?}, the shader's outputs are {outputs:?}", pass.name);
+            }
+        }
         Ok(id)
     }
 
@@ -64,15 +73,6 @@ impl Engine {
                 let fragment = self.library.get(&format!("{}.frag", pass.shader));
                 if let Some(name) = unknown(&[vertex, fragment]) {
                     bail!("pass {}: the shaders have no specialization constant {name}", pass.name);
-                }
-                if let Work::Raster { color, .. } = &pass.work {
-                    let mut outputs = fragment.outputs.clone();
-                    outputs.sort_by_key(|(_, location)| *location);
-                    let outputs: Vec<&str> = outputs.iter().map(|(name, _)| name.as_str()).collect();
-                    let declared: Vec<&str> = color.iter().map(|target| target.output).collect();
-                    if outputs != declared {
-                        bail!("pass {}: renders to {declared:?}, the shader's outputs are {outputs:?}", pass.name);
-                    }
                 }
                 self.gpu.create_raster_pipeline(pass.name, [vertex, fragment], [&ids(vertex), &ids(fragment)], state)
             }

@@ -52,13 +52,13 @@ pub(super) fn run(
 ) -> Result<Vec<(&'static str, f64)>> {
     // The recorder borrows the device, so what it looks up there is looked up first.
     let local_sizes: Vec<[u32; 3]> = ready.iter().map(|r| r.steps.first().map_or([1; 3], |step| gpu.local_size(step.pipeline))).collect();
+    gpu.write_upload_buffer(crumbs, &vec![0; 4 * ready.len()]);
     let record_pass = |commands: &mut Commands<'_>, i: usize| record(commands, &ready[i], local_sizes[i], placed);
     let after_pass = |commands: &mut Commands<'_>, i: usize| {
         commands.fill_word(crumbs, 4 * i as u64, 1);
         watch(commands, &ready[i], placed, checker);
     };
     let prologue = |commands: &mut Commands<'_>| {
-        (0..ready.len()).for_each(|i| commands.fill_word(crumbs, 4 * i as u64, 0));
         let counts = ready.iter().map(|r| r.check.len()).sum::<usize>();
         checker.iter().for_each(|(_, buffer)| (0..counts).for_each(|i| commands.fill_word(*buffer, 4 * i as u64, 0)));
         commands.barrier(&Barrier::FULL);
@@ -119,6 +119,10 @@ pub(super) fn run(
         }
     });
     let times = match times {
+        // Where passes overlap, one that has left its mark may not be the last.
+        Err(error) if exit_code(&error) == Exit::DeviceLost && timing == Timing::Overlapped => {
+            return Err(error).context("rendering (--timing serial would tell which pass was the last)");
+        }
         Err(error) if exit_code(&error) == Exit::DeviceLost => {
             let ended = gpu.read_buffer(crumbs).chunks_exact(4).take(ready.len()).take_while(|word| word[0] == 1).count();
             let last = ended.checked_sub(1).map_or("none", |i| ready[i].pass.name);

@@ -232,6 +232,11 @@ impl Scene {
         self.indices[range].iter().map(move |&i| &self.vertices[(offset + i) as usize])
     }
 
+    /// World-space bounds of all that is drawn.
+    pub fn bounds(&self) -> Aabb {
+        self.draws.iter().map(|draw| self.draw_bounds(draw)).fold(Aabb::EMPTY, Aabb::union)
+    }
+
     /// World-space bounds of a draw.
     pub fn draw_bounds(&self, draw: &Draw) -> Aabb {
         Aabb::of(self.draw_vertices(draw).map(|vertex| draw.transform.transform_point3(vertex.position.into())))

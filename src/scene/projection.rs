@@ -122,7 +122,8 @@ impl Projector {
                         SpotFalloff::Angle => 1,
                         SpotFalloff::CosineSquared => 2,
                     };
-                    let spot = Self::frustum(position, direction, Vec3::Y, outer.tan(), intensity, size, bounds);
+                    let tangent = outer.min(Self::WIDEST_SPOT).tan();
+                    let spot = Self::frustum(position, direction, Vec3::Y, tangent, intensity, size, bounds);
                     projectors.push(Self { kind, inner, outer, ..spot });
                 }
                 Light::Point { position, intensity } => {
@@ -141,7 +142,8 @@ impl Projector {
     fn frustum(position: Vec3, direction: Vec3, up: Vec3, tangent: f32, intensity: Vec3, size: [u32; 2], bounds: Aabb) -> Self {
         let (direction, right, up) = frame(direction, up);
         let (right, up) = (right * tangent, up * tangent);
-        let near = bounds.size().length().max(1e-6) * 1e-4;
+        // Against the farthest that it lights, wherever it stands.
+        let near = bounds.corners().map(|corner| corner.distance(position)).into_iter().fold(1e-6, f32::max) * 1e-4;
         Self {
             world_to_clip: perspective(position, direction, right, up, near).to_cols_array_2d(),
             origin: position.into(),
@@ -182,12 +184,14 @@ impl Projector {
         let ((x0, x1), (y0, y1), (z0, z1)) = (extent(right, target), extent(up, target), extent(direction, bounds));
         let half_width = ((x1 - x0) * 0.5 * (1.0 + 2.0 / size[0] as f32)).max(1e-6);
         let half_height = ((y1 - y0) * 0.5 * (1.0 + 2.0 / size[1] as f32)).max(1e-6);
-        let margin = (z1 - z0).max(1e-6) * 1e-3;
-        let range = (z1 - z0).max(1e-6) + 2.0 * margin;
+        // A flat scene has a depth too, or its floats could not tell it from the planes.
+        let depth = (z1 - z0).max(bounds.size().length() * 1e-3).max(1e-6);
+        let margin = depth * 1e-3;
+        let range = depth + 2.0 * margin;
         let origin = right * (x0 + x1) * 0.5 + up * (y0 + y1) * 0.5 + direction * (z0 - margin);
         let row = |axis: Vec3| axis.extend(-axis.dot(origin));
-        let depth = Vec4::new(0.0, 0.0, 0.0, 1.0) - row(direction / range);
-        let clip = Mat4::from_cols(row(right / half_width), -row(up / half_height), depth, Vec4::W).transpose();
+        let nearness = Vec4::new(0.0, 0.0, 0.0, 1.0) - row(direction / range);
+        let clip = Mat4::from_cols(row(right / half_width), -row(up / half_height), nearness, Vec4::W).transpose();
         Self {
             world_to_clip: clip.to_cols_array_2d(),
             origin: origin.into(),
@@ -202,6 +206,9 @@ impl Projector {
             texel_area: 4.0 * half_width * half_height / (size[0] as f32 * size[1] as f32),
         }
     }
+
+    /// The half-angle of the widest map, radians: towards 90 degrees its texels would see nothing but their rims.
+    pub const WIDEST_SPOT: f32 = 80.0 * std::f32::consts::PI / 180.0;
 
     /// As many as the shaders' uniform block holds.
     pub const MAX: usize = 64;

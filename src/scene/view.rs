@@ -10,15 +10,15 @@ use std::ops::{Add, Mul, Sub};
 /// Vertical field of view of a camera that says none, degrees.
 const DEFAULT_FOV_Y_DEG: f32 = 60.0;
 
-/// The camera of a frame; frame `i` is at `i / fps` seconds.
+/// The camera of a frame; frame `i` is at `i / fps` seconds. `bounds` are the scene's, which a view of all of it needs.
 ///
 /// Fails where the config names a camera that the scene lacks, and where a path looks straight along its `up`.
-pub fn camera(config: &Config, scene: &Scene, frame_index: u32) -> Result<Camera> {
-    let Some(wish) = &config.camera else { return Ok(own_camera(config, scene)) };
+pub fn camera(config: &Config, scene: &Scene, bounds: Aabb, frame_index: u32) -> Result<Camera> {
+    let Some(wish) = &config.camera else { return Ok(own_camera(config, scene, bounds)) };
     let mut camera = match (&wish.node, wish.position, wish.target) {
         (Some(name), ..) => named_camera(scene, name)?,
         (None, Some(position), Some(target)) => looking(position.into(), target.into()),
-        _ if wish.keyframes.is_empty() => own_camera(config, scene),
+        _ if wish.keyframes.is_empty() => own_camera(config, scene, bounds),
         _ => on_path(wish, seconds(config, frame_index)),
     };
     camera.up = wish.up.map_or(camera.up, |up| unit(up.into()).as_vec3());
@@ -53,8 +53,8 @@ fn looking(position: Vec3, target: Vec3) -> Camera {
     Camera { name: "config".to_owned(), position, target, up: Vec3::Y, fov_y_deg: DEFAULT_FOV_Y_DEG }
 }
 
-fn own_camera(config: &Config, scene: &Scene) -> Camera {
-    scene.cameras.first().cloned().unwrap_or_else(|| framing(scene, config.frame.size))
+fn own_camera(config: &Config, scene: &Scene, bounds: Aabb) -> Camera {
+    scene.cameras.first().cloned().unwrap_or_else(|| framing(bounds, config.frame.size))
 }
 
 fn named_camera(scene: &Scene, name: &str) -> Result<Camera> {
@@ -66,9 +66,8 @@ fn named_camera(scene: &Scene, name: &str) -> Result<Camera> {
     Err(fail!(BadInput, "camera.node: {} has no camera {name:?}; it has {has}", scene.name))
 }
 
-/// A view from a corner of the scene, slightly from above, that all of its bounds fit into.
-fn framing(scene: &Scene, size: [u32; 2]) -> Camera {
-    let bounds = scene.draws.iter().map(|draw| scene.draw_bounds(draw)).fold(Aabb::EMPTY, Aabb::union);
+/// A view from a corner of a box, slightly from above, that all of it fits into.
+fn framing(bounds: Aabb, size: [u32; 2]) -> Camera {
     if !(bounds.min.is_finite() && bounds.max.is_finite()) {
         return Camera { name: "default".to_owned(), ..looking(Vec3::Z, Vec3::ZERO) };
     }
@@ -192,6 +191,10 @@ mod tests {
     use super::*;
     use crate::config;
     use std::path::Path;
+
+    fn camera(config: &Config, scene: &Scene, frame_index: u32) -> Result<Camera> {
+        super::camera(config, scene, scene.bounds(), frame_index)
+    }
 
     fn parse(text: &str) -> Config {
         config::parse(text, Path::new("x.toml"), &[]).unwrap()

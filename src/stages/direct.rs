@@ -14,6 +14,7 @@ shader_struct! {
         bias: f32,
         map_size: [i32; 2],
         radius: i32,
+        lift: f32,
     }
 
     struct MomentParams {
@@ -46,7 +47,14 @@ pub fn shade(g: &mut Graph, scene: &DeviceScene, gbuffer: &GBuffer, rsm: &Rsm, d
         .constant("GLOSSY_DIELECTRIC", dielectric == Dielectric::Ggx)
         .constant("LIGHT_KIND", rsm.kind)
         .constant("METALS", scene.has_metals)
-        .params(&ShadeParams { lights: rsm.layers, bias: config.bias, map_size: rsm.size.map(|n| n as i32), radius: config.blur as i32 });
+        .params(&ShadeParams {
+            lights: rsm.layers,
+            bias: config.bias,
+            map_size: rsm.size.map(|n| n as i32),
+            radius: config.blur as i32,
+            // The window's farthest texel must stay below the lifted point on a slope; the variance's mean stays on it by itself.
+            lift: if config.shadows == Shadows::PercentageCloser { config.blur as f32 + 1.0 } else { 1.0 },
+        });
     if let Some((binding, image, sampler)) = map {
         pass = pass.samples(binding, image, sampler);
     }

@@ -15,6 +15,10 @@ shader_struct! {
     }
 }
 
+/// llvmpipe ends an invocation's loops after 65,535 turns in all, without a word; `glsl/gather/per-pixel.comp` takes at most
+/// two turns for four VPLs.
+pub const MOST_VPLS_A_PIXEL: u64 = 100_000;
+
 /// Fills the slot with the config's method; the image holds indirect irradiance, W/m^2.
 pub fn indirect(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibility, config: &GatherConfig) -> Image {
     match (config.method, visibility) {

@@ -21,16 +21,16 @@ pub struct Method {
 
 /// Every method there is.
 pub const METHODS: &[Method] = {
-    use Feature::{FilteredRg32Float, LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters, Snorm16Attachment};
+    use Feature::{FilteredRg32Float, LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters, Snorm16Attachment, SubgroupBallot};
     const fn method(slot: &'static str, name: &'static str, needs: &'static [Feature]) -> Method {
         Method { slot, name, needs }
     }
     &[
-        method("gbuffer", "draw", &[MultiDrawIndirect, Snorm16Attachment]),
+        method("gbuffer", "draw", &[MultiDrawIndirect, ShaderDrawParameters, Snorm16Attachment]),
         method("rsm", "draw", &[MultiDrawIndirect, ShaderDrawParameters, LayerFromVertexShader, Snorm16Attachment]),
         method("vpls.sampler", "regular", &[]),
         method("visibility.method", "none", &[]),
-        method("gather.method", "per-pixel", &[]),
+        method("gather.method", "per-pixel", &[SubgroupBallot]),
         method("filter.kind", "bilateral", &[]),
         method("filter.kind", "none", &[]),
         method("direct.shadows", "variance", &[FilteredRg32Float]),

@@ -18,7 +18,6 @@ shader_struct! {
         size: [u32; 2],
         lights: u32,
         count: u32,
-        shuffle: u32,
     }
 }
 
@@ -50,7 +49,7 @@ fn regular(g: &mut Graph, rsm: &Rsm, count: u32) -> Vpls {
         .reads("rsm_albedo", rsm.albedo)
         .writes("points", vpls.points)
         .writes("intensities", vpls.intensities)
-        .params(&RegularParams { size: rsm.size, lights: rsm.layers, count, shuffle: 1 })
+        .params(&RegularParams { size: rsm.size, lights: rsm.layers, count })
         .dispatch([count, 1, 1]);
     vpls
 }

@@ -31,7 +31,7 @@ fuzz_target!(|text: &str| {
     }
     let scene = Scene::default();
     for frame in [0, 1, 30, u32::MAX] {
-        if let Ok(camera) = view::camera(&config, &scene, frame) {
+        if let Ok(camera) = view::camera(&config, &scene, scene.bounds(), frame) {
             assert!(camera.position.is_finite() && camera.target.is_finite() && camera.up.is_normalized(), "{camera:?}");
             assert!((1.0..=170.0).contains(&camera.fov_y_deg), "{camera:?}");
         }
