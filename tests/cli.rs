@@ -356,7 +356,7 @@ fn a_broken_shader_is_reported_with_its_file_and_line() {
     };
     succeeded(&with_shaders("glsl"));
     fs::remove_dir_all(place.path("out")).unwrap();
-    fs::write(&broken, good.replace("vec3 shown = sum", "vec3 shown = sum * nonsense")).unwrap();
+    fs::write(&broken, good.replace("vec3 shown = ", "vec3 shown = nonsense * ")).unwrap();
     failed("a broken shader", &with_shaders("glsl"), 2, &[&format!("compose/sum.comp:{line}:"), "nonsense"]);
     fs::remove_file(&broken).unwrap();
     failed("a missing shader", &with_shaders("glsl"), 2, &["compose/sum.comp"]);

@@ -176,3 +176,28 @@ fn a_point_under_a_blocker_is_dark_and_one_beside_it_is_lit() {
     }
     finish(renderer.gpu());
 }
+
+#[test]
+fn a_scene_without_a_camera_is_framed_and_a_spot_far_outside_of_it_lights_it() {
+    for shadows in [Shadows::None, Shadows::Variance, Shadows::PercentageCloser] {
+        let mut scene = Scene::default();
+        let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z);
+        add_quad(&mut scene, [corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)], matte([0.5; 3]));
+        let mut renderer = renderer(scene);
+        // Fifteen metres over a square whose diagonal is less than three.
+        let light = spot(Vec3::new(0.0, 15.0, 0.0), Vec3::NEG_Y, [225.0; 3], 10.0, 12.0);
+        let mut config = plain([64, 64], Vec3::Y, Vec3::ZERO, 60.0, light);
+        config.camera = None;
+        config.direct.shadows = shadows;
+        let picture = picture(&mut renderer, &config);
+        let surface: Vec<usize> = (0..64 * 64).filter(|i| picture.depth.values[*i] > 0.0).collect();
+        assert!(surface.len() > 600, "{} pixels show the square", surface.len());
+        let direct: Vec<Vec3> = picture.direct.rgb().collect();
+        for i in surface {
+            // 225 W/sr at 15 m is 1 W/m^2 and a little less towards the corners.
+            let expected = 0.5 / std::f32::consts::PI;
+            assert!(direct[i].x > expected * 0.97 && direct[i].x < expected * 1.01, "{shadows:?}: {} for {expected}", direct[i].x);
+        }
+        finish(renderer.gpu());
+    }
+}

@@ -200,3 +200,28 @@ fn the_back_of_a_single_sided_wall_stops_light_and_reflects_none() {
         assert!(before > 100 && behind > 100, "{before} pixels before and {behind} behind the wall");
     }
 }
+
+#[test]
+fn a_pixel_can_take_sixty_thousand_vpls_and_no_more_than_drivers_sum() {
+    let walls = walls(SIZE, ALBEDOS);
+    let light = spot(Vec3::new(2.0, 2.8, 2.5), Vec3::new(0.1, -1.0, 0.2), [50.0; 3], 30.0, 40.0);
+    let mut renderer = renderer(room(&walls));
+    let mut config = config(DQuat::IDENTITY, light, 65_536);
+    config.rsm.size = [256, 256];
+    let mut mean = |interleave: u32| {
+        config.gather.interleave = interleave;
+        let picture = picture(&mut renderer, &config);
+        picture.irradiance.rgb().map(|c| f64::from(c.x + c.y + c.z)).sum::<f64>() / 4096.0
+    };
+    let (whole, quarters) = (mean(1), mean(2));
+    assert!(whole > 0.0 && (whole / quarters - 1.0).abs() < 2e-3, "{whole} in one go, {quarters} in quarters");
+
+    config.gather.interleave = 1;
+    config.rsm.size = [512, 512];
+    let refused = |renderer: &manylight::renderer::Renderer, config: &Config| renderer.check(config).unwrap_err().to_string();
+    config.vpls.count = 512 * 512;
+    assert!(refused(&renderer, &config).starts_with("gather.interleave: 1 leaves 262144 VPLs"));
+    config.vpls.count = 512 * 512 + 1;
+    assert!(refused(&renderer, &config).starts_with("vpls.count: 262145 is out of range, expected 1 to 262144"));
+    finish(renderer.gpu());
+}

@@ -125,8 +125,8 @@ fn a_number_that_is_not_finite_is_found_in_the_first_pass_that_makes_it() {
     assert_eq!((first.0, first.1.as_str()), ("gbuffer/draw", "gbuffer/emission"));
     let covered = rendered.picture.unwrap().depth.values.iter().filter(|depth| **depth > 0.0).count();
     assert_eq!(first.2 as usize, covered);
-    assert!(rendered.non_finite.iter().any(|(pass, ..)| *pass == "compose/sum"));
-    assert!(rendered.non_finite.iter().all(|(pass, ..)| *pass != "gather/per-pixel"));
+    // What is too bright for its image is stored as the brightest number there is, so that it goes no farther.
+    assert!(rendered.non_finite.iter().all(|(pass, ..)| *pass == "gbuffer/draw"), "{:?}", rendered.non_finite);
     finish(renderer.gpu());
 }
 
