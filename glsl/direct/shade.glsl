@@ -31,14 +31,15 @@ layout(rgba16f) writeonly uniform image2D direct;
 float shadow(Light light, uint layer, vec2 uv, float distance);
 
 // The share of a light's map that reaches a point: none outside of the map.
-float visibility(Light light, uint layer, vec3 x, vec3 n, float cosine) {
+float visibility(Light light, uint layer, vec3 x, vec3 n) {
     // The point itself says which map it is in: the one lifted below may leave it at a spot's rim or a seam of a point light.
     vec4 clip = light.world_to_clip * vec4(x, 1.0);
     if (clip.w <= 0.0 || any(greaterThan(abs(clip.xy), vec2(clip.w)))) return 0.0;
-    // Off the surface by the bias, and by what a texel's width comes to on its slope, so that it does not shadow itself.
-    vec2 texel = 2.0 * vec2(length(light.right), length(light.up)) / vec2(params.map_size);
-    float width = max(texel.x, texel.y) * (light.kind == DIRECTIONAL ? 1.0 : dot(x - light.origin, light.direction));
-    vec3 lifted = x + n * (params.bias + params.lift * abs(width) * sqrt(max(1.0 - cosine * cosine, 0.0)));
+    // Off the surface by the bias, and so far that no texel of the window that is looked at lies above the surface: moved by up to
+    // `lift` texels across the map, the lifted point must stay on the light's side of the surface's plane.
+    vec2 texels = 2.0 / vec2(params.map_size) * (light.kind == DIRECTIONAL ? 1.0 : dot(x - light.origin, light.direction));
+    float slope = dot(texels, abs(vec2(dot(n, light.right), dot(n, light.up))));
+    vec3 lifted = x + n * (params.bias + params.lift * slope);
     clip = light.world_to_clip * vec4(lifted, 1.0);
     // A light so near to the surface has nothing before it.
     if (clip.w <= 0.0) return 1.0;
@@ -62,7 +63,7 @@ void main() {
             vec3 l;
             vec3 arriving = light_irradiance(light, x, l) * max(dot(n, l), 0.0);
             if (any(greaterThan(arriving, vec3(0.0)))) {
-                arriving *= visibility(light, i, x, n, dot(n, l));
+                arriving *= visibility(light, i, x, n);
                 sum += arriving * brdf(base, METALS ? mr.x : 0.0, mr.y, GLOSSY_DIELECTRIC, n, l, v);
             }
         }

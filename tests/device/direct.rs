@@ -201,3 +201,55 @@ fn a_scene_without_a_camera_is_framed_and_a_spot_far_outside_of_it_lights_it() {
         finish(renderer.gpu());
     }
 }
+
+#[test]
+fn an_empty_room_has_no_shadows_however_its_walls_slope_to_the_light() {
+    use glam::DVec3 as V;
+    let mut renderer = renderer(room(&walls(V::new(4.0, 3.0, 5.0), [V::splat(0.5); 6])));
+    let lights = [
+        spot(Vec3::new(2.1, 2.9, 2.4), Vec3::NEG_Y, [40.0; 3], 60.0, 79.0),
+        spot(Vec3::new(0.3, 2.0, 0.4), Vec3::new(1.0, -0.3, 0.8), [40.0; 3], 20.0, 70.0),
+    ];
+    for light in lights {
+        let mut config = plain([64, 64], Vec3::new(3.6, 1.7, 4.6), Vec3::new(1.0, 1.2, 0.5), 95.0, light);
+        config.direct.shadows = Shadows::None;
+        let open = picture(&mut renderer, &config);
+        // Small windows: a wide one reaches round the room's corners, where it rightly finds nearer walls.
+        for shadows in [Shadows::Variance, Shadows::PercentageCloser] {
+            for blur in [0, 1] {
+                (config.direct.shadows, config.direct.blur) = (shadows, blur);
+                let shaded = picture(&mut renderer, &config);
+                let sum = |picture: &Picture| picture.direct.rgb().map(|c| f64::from(c.x)).sum::<f64>();
+                let ratio = sum(&shaded) / sum(&open);
+                println!("{shadows:?}, blur {blur}: {ratio:.5}");
+                assert!((ratio - 1.0).abs() < 0.01, "{shadows:?} with blur {blur} keeps {ratio} of the light");
+            }
+        }
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn a_plane_at_a_grazing_angle_does_not_shadow_itself_however_wide_the_filter() {
+    let mut scene = Scene::default();
+    let corner = |x: f32, z: f32| Vec3::new(10.0 * x, 0.0, 10.0 * z);
+    add_quad(&mut scene, [corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)], matte([0.5; 3]));
+    let mut renderer = renderer(scene);
+    for degrees in [30.0f32, 60.0, 75.0, 85.0] {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let direction = Vec3::new(0.8 * sine, -cosine, 0.6 * sine);
+        let mut config = plain([64, 64], Vec3::new(0.0, 4.0, 0.1), Vec3::ZERO, 60.0, directional(direction, [10.0; 3]));
+        config.rsm.size = [256, 256];
+        config.direct.shadows = Shadows::None;
+        let open = picture(&mut renderer, &config);
+        for shadows in [Shadows::Variance, Shadows::PercentageCloser] {
+            for blur in [0, 1, 8] {
+                (config.direct.shadows, config.direct.blur) = (shadows, blur);
+                let shaded = picture(&mut renderer, &config);
+                let least = shaded.direct.rgb().zip(open.direct.rgb()).map(|(a, b)| a.x / b.x).fold(f32::INFINITY, f32::min);
+                assert!(least > 0.99, "{shadows:?}, blur {blur}, {degrees} degrees: a pixel keeps {least} of its light");
+            }
+        }
+    }
+    finish(renderer.gpu());
+}
