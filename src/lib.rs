@@ -11,6 +11,7 @@ pub mod gpu;
 pub mod graph;
 pub mod output;
 pub mod presets;
+pub mod reference;
 pub mod renderer;
 pub mod report;
 pub mod scene;

@@ -9,6 +9,7 @@ use crate::scene::builtin::{self, Atrium};
 use crate::scene::device::DeviceScene;
 use crate::scene::gltf::{self, SceneChoice};
 use crate::scene::projection::{Projector, View};
+use crate::scene::traced::TracedScene;
 use crate::scene::{Aabb, Light, Scene, view};
 use crate::stages::{METHODS, gather};
 use anyhow::{Result, bail};
@@ -36,6 +37,7 @@ pub struct Renderer {
     engine: Engine,
     scene: Scene,
     device_scene: DeviceScene,
+    traced: Option<TracedScene>,
 }
 
 /// What a frame gave.
@@ -122,11 +124,21 @@ impl Picture {
 impl Renderer {
     /// Brings a scene to a device.
     pub fn new(gpu: Gpu, scene: Scene) -> Result<Self> {
+        Self::bring(gpu, scene, false)
+    }
+
+    /// Brings a scene to a device, and what rays need of it.
+    pub fn traced(gpu: Gpu, scene: Scene) -> Result<Self> {
+        Self::bring(gpu, scene, true)
+    }
+
+    fn bring(gpu: Gpu, scene: Scene, traced: bool) -> Result<Self> {
         let mut engine = Engine::new(gpu, Library::new()?);
         let device_scene = DeviceScene::upload(&mut engine.gpu, &scene)?;
+        let traced = if traced { Some(TracedScene::upload(&mut engine.gpu, &scene)?) } else { None };
         // Lights and cameras are all that frames need of it from here on.
         let scene = Scene { name: scene.name, lights: scene.lights, cameras: scene.cameras, ..Scene::default() };
-        Ok(Self { engine, scene, device_scene })
+        Ok(Self { engine, scene, device_scene, traced })
     }
 
     /// Opens a device and brings a scene to it.
@@ -144,6 +156,22 @@ impl Renderer {
 
     pub fn device_scene(&self) -> &DeviceScene {
         &self.device_scene
+    }
+
+    /// What rays need of the scene, where it was brought too.
+    pub fn traced_scene(&self) -> Option<&TracedScene> {
+        self.traced.as_ref()
+    }
+
+    /// The lights of a frame.
+    pub fn lights(&self, config: &Config, frame_index: u32) -> Vec<Light> {
+        view::lights(config, &self.scene, frame_index)
+    }
+
+    /// How a frame is seen.
+    pub fn view(&self, config: &Config, frame_index: u32) -> Result<View> {
+        let camera = view::camera(config, &self.scene, self.device_scene.bounds, frame_index)?;
+        Ok(View::new(&camera, config.frame.size, self.device_scene.bounds))
     }
 
     /// Refuses what the device cannot do under this config, by the keys that ask for it.
@@ -242,8 +270,7 @@ impl Renderer {
 
     /// The frame's graph, and the view that it is seen by.
     fn describe(&self, g: &mut Graph, config: &Config, frame_index: u32) -> Result<(Frame, View)> {
-        let camera = view::camera(config, &self.scene, self.device_scene.bounds, frame_index)?;
-        let view = View::new(&camera, config.frame.size, self.device_scene.bounds);
+        let view = self.view(config, frame_index)?;
         let lighting = self.lighting(config, frame_index)?;
         Ok((frame(g, &self.device_scene, &view, &lighting, config), view))
     }

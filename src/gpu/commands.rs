@@ -253,6 +253,15 @@ impl<'g> Commands<'g> {
         unsafe { self.gpu.device.cmd_copy_buffer_to_image(self.buffer, from, slot.handle, vk::ImageLayout::GENERAL, &regions) };
     }
 
+    /// Fills so many rows of a layer from row `first` on.
+    pub(super) fn copy_buffer_to_image_rows(&mut self, from: BufferId, to: ImageId, layer: u32, first: u32, rows: u32) {
+        let slot = self.gpu.memory.image(to);
+        let region = image_region(slot.desc.format.aspect(), layer, 1, slot.desc.width, rows);
+        let regions = [region.image_offset(vk::Offset3D { x: 0, y: first as i32, z: 0 })];
+        let from = self.gpu.memory.buffer(from).handle;
+        unsafe { self.gpu.device.cmd_copy_buffer_to_image(self.buffer, from, slot.handle, vk::ImageLayout::GENERAL, &regions) };
+    }
+
     /// Copies mip 0 of all layers, tightly packed, layer after layer.
     pub fn copy_image_to_buffer(&mut self, from: ImageId, to: BufferId) {
         let slot = self.gpu.memory.image(from);

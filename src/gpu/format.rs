@@ -17,6 +17,8 @@ pub enum Format {
     R32Float,
     Rg32Float,
     Rgba32Float,
+    /// Four words: data that is no picture.
+    Rgba32Uint,
     Depth32,
 }
 
@@ -28,7 +30,7 @@ impl Format {
             Self::Rgba8Unorm | Self::Rgba8Srgb | Self::Rg16Snorm | Self::R11G11B10Float => 4,
             Self::R32Uint | Self::R32Float | Self::Depth32 => 4,
             Self::Rgba16Float | Self::Rg32Float => 8,
-            Self::Rgba32Float => 16,
+            Self::Rgba32Float | Self::Rgba32Uint => 16,
         }
     }
 
@@ -38,7 +40,7 @@ impl Format {
             Self::R32Uint | Self::R32Float | Self::Depth32 => 1,
             Self::Rg8Unorm | Self::Rg16Snorm | Self::Rg32Float => 2,
             Self::R11G11B10Float => 3,
-            Self::Rgba8Unorm | Self::Rgba8Srgb | Self::Rgba16Float | Self::Rgba32Float => 4,
+            Self::Rgba8Unorm | Self::Rgba8Srgb | Self::Rgba16Float | Self::Rgba32Float | Self::Rgba32Uint => 4,
         }
     }
 
@@ -51,7 +53,7 @@ impl Format {
         self == Self::Depth32
     }
 
-    /// The numbers of one texel as a shader reads them; channels that the format lacks are 0. `R32Uint` is given as is.
+    /// The numbers of one texel as a shader reads them; channels that the format lacks are 0. Words are given as numbers.
     pub fn decode(self, texel: &[u8]) -> [f32; 4] {
         let word = |i: usize| u32::from_le_bytes([texel[4 * i], texel[4 * i + 1], texel[4 * i + 2], texel[4 * i + 3]]);
         let short = |i: usize| u16::from_le_bytes([texel[2 * i], texel[2 * i + 1]]);
@@ -72,6 +74,7 @@ impl Format {
             Self::R32Float | Self::Depth32 => [f32::from_bits(word(0)), 0.0, 0.0, 0.0],
             Self::Rg32Float => [0, 1].map(|i| f32::from_bits(word(i))).with_zeros(),
             Self::Rgba32Float => [0, 1, 2, 3].map(|i| f32::from_bits(word(i))),
+            Self::Rgba32Uint => [0, 1, 2, 3].map(|i| word(i) as f32),
         }
     }
 
@@ -87,6 +90,7 @@ impl Format {
             Self::R32Float => vk::Format::R32_SFLOAT,
             Self::Rg32Float => vk::Format::R32G32_SFLOAT,
             Self::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,
+            Self::Rgba32Uint => vk::Format::R32G32B32A32_UINT,
             Self::Depth32 => vk::Format::D32_SFLOAT,
         }
     }

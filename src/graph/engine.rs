@@ -184,7 +184,7 @@ impl Engine {
                 (_, Source::ImportedBuffer(id)) => {
                     placed.buffers.insert(index, *id);
                 }
-                (_, Source::ImportedImage(id)) => {
+                (_, Source::ImportedImage(id) | Source::KeptImage(id)) => {
                     placed.images.insert(index, *id);
                 }
                 (Resource::Buffer(buffer), Source::Transient) => {

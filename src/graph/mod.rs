@@ -82,6 +82,8 @@ enum Source {
     Uploaded(Vec<u8>),
     ImportedBuffer(BufferId),
     ImportedImage(ImageId),
+    /// Outlives the frame, and passes may write it.
+    KeptImage(ImageId),
 }
 
 #[derive(Debug, Clone)]
@@ -151,6 +153,13 @@ impl Graph {
     pub fn import_image(&mut self, name: &str, id: ImageId, format: Format, size: [u32; 2], layers: u32) -> Image {
         let image = Image { index: self.slots.len() as u32, format, size, layers };
         self.add(name, image.into(), None, Source::ImportedImage(id));
+        image
+    }
+
+    /// An image that outlives the frame, and that passes add to: it holds what the frame before left in it.
+    pub fn keep_image(&mut self, name: &str, id: ImageId, format: Format, size: [u32; 2], layers: u32) -> Image {
+        let image = Image { index: self.slots.len() as u32, format, size, layers };
+        self.add(name, image.into(), None, Source::KeptImage(id));
         image
     }
 

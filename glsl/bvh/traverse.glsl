@@ -1,0 +1,85 @@
+// Rays through the bounding volume hierarchy of src/scene/bvh.rs.
+#include "lib/ray.glsl"
+
+struct Bvh {
+    vec3 origin; // of the grid that boxes lie on
+    float padding0;
+    vec3 cell;
+    float padding1;
+};
+
+layout(scalar) uniform BvhBlock { Bvh it; } bvh;
+uniform usampler2D bvh_nodes;
+uniform usampler2D bvh_triangles;
+
+const uint LEAF = 0x80000000u;
+const uint COUNT_SHIFT = 28u;
+const uint STACK = 64u;
+const uint NO_TRIANGLE = 0xffffffffu;
+const uint DONE = 0xffffffffu;
+
+const uint MASKED = 1u;
+const uint SINGLE_SIDED = 2u;
+
+struct Hit {
+    float t;         // in units of the ray's direction
+    uint triangle;   // its number in the hierarchy, or NO_TRIANGLE
+    vec2 weights;    // barycentric, of the second and the third corner
+};
+
+uvec4 node_texel(uint i) { return texelFetch(bvh_nodes, ivec2(i & 4095u, i >> 12), 0); }
+uvec4 triangle_texel(uint i) { return texelFetch(bvh_triangles, ivec2(i & 4095u, i >> 12), 0); }
+
+// Where a ray enters and leaves a box of the grid. Signed, since that is the conversion to floats that processors have.
+vec2 hit_box(uvec3 planes, vec3 scale, vec3 offset) {
+    vec3 lower = vec3(ivec3(planes & 0xffffu)) * scale + offset;
+    vec3 upper = vec3(ivec3(planes >> 16)) * scale + offset;
+    vec3 near = min(lower, upper), far = max(lower, upper);
+    return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
+}
+
+// The nearest hit after (t_min, after) and before t_max, in the order of (t, triangle), so that equal distances have an order too.
+// Where `solid_ends`, some hit that is not masked, if there is one before the nearest masked one.
+Hit traverse(Ray ray, float t_min, uint after, float t_max, bool solid_ends) {
+    vec3 scale = bvh.it.cell * ray.inverse;
+    vec3 offset = (bvh.it.origin - ray.origin) * ray.inverse;
+    uint stack[STACK];
+    uint top = 0u;
+    Hit hit = Hit(t_max, NO_TRIANGLE, vec2(0.0));
+    uint at = 0u;
+    bool ended = false;
+    while (at != DONE) {
+        while (at < LEAF) {
+            uvec4 a = node_texel(2u * at), b = node_texel(2u * at + 1u);
+            vec2 ta = hit_box(a.xyz, scale, offset), tb = hit_box(b.xyz, scale, offset);
+            bool into_a = max(ta.x, t_min) <= min(ta.y, hit.t), into_b = max(tb.x, t_min) <= min(tb.y, hit.t);
+            bool a_first = ta.x <= tb.x;
+            // Few branches: a driver that runs all lanes together takes both sides of each.
+            bool both = into_a && into_b;
+            at = both ? (a_first ? a.w : b.w) : into_a ? a.w : b.w;
+            if (both) stack[top] = a_first ? b.w : a.w;
+            top += uint(both);
+            if (!into_a && !into_b) {
+                at = top > 0u ? stack[top - 1u] : DONE;
+                top = max(top, 1u) - 1u;
+            }
+        }
+        if (at != DONE) {
+            uint first = at & ((1u << COUNT_SHIFT) - 1u), count = ((at >> COUNT_SHIFT) & 7u) + 1u;
+            for (uint i = first; i < first + count; i++) {
+                vec3 a = uintBitsToFloat(triangle_texel(3u * i).xyz);
+                vec3 b = uintBitsToFloat(triangle_texel(3u * i + 1u).xyz);
+                uvec4 last = triangle_texel(3u * i + 2u);
+                vec3 found = hit_triangle(ray, a, b, uintBitsToFloat(last.xyz));
+                bool nearer = found.x < hit.t || (found.x == hit.t && i < hit.triangle);
+                bool later = found.x > t_min || (found.x == t_min && i > after && after != NO_TRIANGLE);
+                if (found.x >= 0.0 && nearer && later) {
+                    hit = Hit(found.x, i, found.yz);
+                    ended = solid_ends && (last.w & MASKED) == 0u;
+                }
+            }
+            at = top > 0u && !ended ? stack[--top] : DONE;
+        }
+    }
+    return hit;
+}

@@ -1,0 +1,231 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// One more path through each pixel, and what it brings to each layer. A path meets a surface, looks at one light from there, and
+// goes on in one direction; light that it gathers at its k-th surface is direct light for k = 1 and bounce k - 1 after that.
+#include "bvh/surface.glsl"
+#include "lib/brdf.glsl"
+#include "lib/light.glsl"
+#include "lib/random.glsl"
+#include "lib/sampling.glsl"
+#include "lib/view.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(constant_id = 0) const bool GLOSSY_DIELECTRIC = false;
+layout(constant_id = 1) const uint LIGHT_KIND = 4; // of all lights, or MIXED
+layout(constant_id = 2) const bool ENVIRONMENT = true;
+
+struct Emitter {
+    uint triangle;
+    float cumulative;
+};
+
+layout(scalar, push_constant) uniform Params {
+    vec3 environment;    // radiance
+    uint first_row;
+    uint rows;
+    uint sample_index;
+    uint seed;
+    uint bounces;        // layers of indirect light
+    uint lights;
+    uint emitters;
+    float squared_min_distance; // 0 but where the bound of the VPLs is asked for
+} params;
+
+layout(scalar) uniform ViewBlock { View it; } view;
+layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
+layout(scalar) readonly buffer Emitters { Emitter at[]; } emitters;
+layout(rgba32f) uniform image2DArray sums;
+layout(scalar) buffer Rays { uint at[]; } rays;
+
+// Layers of the sums: the order of src/reference/sums.rs.
+const int RADIANCE = 0;   // alpha: how many paths met a surface
+const int SPREAD = 1;     // sum of the squared differences from the mean of the radiance (Welford)
+const int IRRADIANCE = 2; // indirect, where the first surface reflects diffusely
+const int ALBEDO = 3;
+const int DIRECT = 4;     // then the bounces
+
+void add(ivec2 pixel, int layer, vec4 more) {
+    ivec3 at = ivec3(pixel, layer);
+    imageStore(sums, at, imageLoad(sums, at) + more);
+}
+
+// Of two ways to find the same light, how much counts from the first (power heuristic).
+float share(float density, float other) { return density * density / max(density * density + other * other, 1e-30); }
+
+
+vec3 reflected(Surface s, vec3 l, vec3 v) {
+    if (dot(s.geometric_normal, l) <= 0.0) return vec3(0.0);
+    return brdf(s.albedo, s.metallic, s.roughness, GLOSSY_DIELECTRIC, s.normal, l, v) * max(dot(s.normal, l), 0.0);
+}
+
+float density(Surface s, vec3 l, vec3 v) { return brdf_density(s.metallic, s.roughness, GLOSSY_DIELECTRIC, s.normal, l, v); }
+
+// Chance that a light is looked for among the emitting surfaces.
+float emitter_chance() { return params.emitters == 0u ? 0.0 : params.lights == 0u ? 1.0 : 0.5; }
+
+// One light, as likely as it would shine unshadowed on the surface: what it brings if nothing is in the way, and the way there.
+vec3 sample_lights(Surface s, vec3 v, float u, out vec3 to_light, out float distance) {
+    float sum = 0.0, chosen_weight = 0.0;
+    vec3 chosen = vec3(0.0);
+    to_light = s.normal;
+    distance = 0.0;
+    for (uint i = 0u; i < params.lights; i++) {
+        Light light = lights.at[i];
+        if (LIGHT_KIND != MIXED) light.kind = LIGHT_KIND;
+        vec3 l;
+        vec3 arriving = light_irradiance(light, s.position, l);
+        float weight = max(dot(s.normal, l), 0.0) * luminance(arriving);
+        if (weight > 0.0) {
+            sum += weight;
+            float p = weight / sum;
+            if (u < p) {
+                u /= p;
+                chosen = arriving;
+                chosen_weight = weight;
+                to_light = l;
+                distance = light.kind == DIRECTIONAL ? 1e30 : length(light.origin - s.position);
+            } else {
+                u = (u - p) / (1.0 - p);
+            }
+            u = min(u, 0.99999994);
+        }
+    }
+    return chosen_weight > 0.0 ? chosen * (sum / chosen_weight) * reflected(s, to_light, v) : vec3(0.0);
+}
+
+// A point of an emitting surface.
+vec3 sample_emitters(Surface s, vec3 v, vec3 u, out vec3 to_light, out float distance) {
+    to_light = s.normal;
+    distance = 0.0;
+    uint low = 0u, high = params.emitters - 1u;
+    while (low < high) {
+        uint middle = (low + high) / 2u;
+        if (u.x < emitters.at[middle].cumulative) high = middle; else low = middle + 1u;
+    }
+    uint triangle = emitters.at[low].triangle;
+    uvec4 ta = triangle_texel(3u * triangle), tb = triangle_texel(3u * triangle + 1u), tc = triangle_texel(3u * triangle + 2u);
+    float root = sqrt(u.y);
+    vec2 weights = vec2(root * (1.0 - u.z), root * u.z);
+    vec3 a = uintBitsToFloat(ta.xyz), b = uintBitsToFloat(tb.xyz), c = uintBitsToFloat(tc.xyz);
+    vec3 point = (1.0 - weights.x - weights.y) * a + weights.x * b + weights.y * c;
+    vec3 way = point - s.position;
+    distance = length(way);
+    if (distance <= 0.0) return vec3(0.0);
+    to_light = way / distance;
+    Surface emitter = surface_at(make_ray(s.position, to_light), Hit(distance, triangle, weights));
+    float cosine = dot(emitter.geometric_normal, -to_light);
+    if (cosine <= 0.0 || emitter.emitter_density <= 0.0) return vec3(0.0);
+    float light_density = emitter_chance() * emitter.emitter_density * distance * distance / cosine;
+    return emitter.emission * reflected(s, to_light, v) / light_density * share(light_density, density(s, to_light, v));
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, params.first_row);
+    if (gl_GlobalInvocationID.y >= params.rows || any(greaterThanEqual(uvec2(pixel), uvec2(view.it.width, view.it.height)))) return;
+    uint number = pixel.y * view.it.width + pixel.x;
+
+    // Anywhere in the pixel: a box filter.
+    vec4 u = random(number, params.sample_index, 0u, params.seed);
+    vec2 ndc = (vec2(pixel) + u.xy) / vec2(view.it.width, view.it.height) * 2.0 - 1.0;
+    Ray ray = make_ray(view.it.position, view.it.forward + ndc.x * view.it.right - ndc.y * view.it.up);
+    float t_min = view.it.near;
+    vec3 throughput = vec3(1.0), radiance = vec3(0.0), to_irradiance = vec3(0.0), irradiance = vec3(0.0);
+    vec3 first_albedo = vec3(0.0);
+    float came_with = 0.0; // density of the direction that the path came by; 0 from the camera
+    uint traced = 0u;
+    bool met = false;
+    for (uint k = 0u; k <= params.bounces + 1u; k++) {
+        // The last round only looks for what shines by itself.
+        if (k == params.bounces + 1u && !EMISSION && !ENVIRONMENT) break;
+        Hit hit = nearest(ray, t_min, k == 0u);
+        traced += 1u;
+        if (hit.triangle == NO_TRIANGLE) {
+            vec3 found = throughput * params.environment;
+            radiance += found;
+            if (ENVIRONMENT && k > 0u) {
+                add(pixel, DIRECT + int(k) - 1, vec4(found, 0.0));
+                if (k > 1u) irradiance += to_irradiance * params.environment;
+            }
+            break;
+        }
+        Surface s = surface_at(ray, hit);
+        vec3 v = -normalize(ray.direction);
+        if (EMISSION && any(greaterThan(s.emission, vec3(0.0)))) {
+            float mine = 1.0;
+            if (k > 0u) {
+                float light_density = emitter_chance() * s.emitter_density * hit.t * hit.t / max(dot(s.geometric_normal, v), 1e-9);
+                mine = share(came_with, light_density);
+            }
+            vec3 found = throughput * s.emission * mine;
+            radiance += found;
+            if (k > 0u) add(pixel, DIRECT + int(k) - 1, vec4(found, 0.0));
+            if (k > 1u) irradiance += to_irradiance * s.emission * mine;
+        }
+        if (k == 0u) {
+            met = true;
+            first_albedo = s.albedo;
+        }
+        // Light ends at the back of a single-sided surface.
+        if (k == params.bounces + 1u || (!s.front && !s.double_sided)) break;
+        if (k > 0u && params.squared_min_distance > 0.0) {
+            float bound = min(hit.t * hit.t / params.squared_min_distance, 1.0);
+            throughput *= bound;
+            to_irradiance *= bound;
+        }
+
+        vec3 from = off_surface(s.position, s.geometric_normal);
+        vec4 choice = random(number, params.sample_index, 2u * k + 1u, params.seed);
+        vec3 to_light = s.normal, found = vec3(0.0);
+        float distance = 0.0;
+        if (EMISSION && choice.w < emitter_chance()) {
+            found = sample_emitters(s, v, choice.xyz, to_light, distance);
+        } else if (params.lights > 0u) {
+            found = sample_lights(s, v, choice.x, to_light, distance) / (1.0 - emitter_chance());
+        }
+        if (any(greaterThan(found, vec3(0.0)))) {
+            traced += 1u;
+            // From off the surface the direction differs a little; the end, just before the light, stays.
+            vec3 way = distance < 1e29 ? s.position + to_light * distance - from : to_light;
+            if (!is_occluded(make_ray(from, way), distance < 1e29 ? 0.9999 : 1e30)) {
+                radiance += throughput * found;
+                add(pixel, DIRECT + int(k), vec4(throughput * found, 0.0));
+                if (k > 0u) irradiance += to_irradiance * found;
+            }
+        }
+
+        if (k == params.bounces && !EMISSION && !ENVIRONMENT) break;
+        vec4 next = random(number, params.sample_index, 2u * k + 2u, params.seed);
+        vec3 l = sample_brdf(next.xyz, s.metallic, s.roughness, GLOSSY_DIELECTRIC, s.normal, v);
+        came_with = density(s, l, v);
+        if (came_with <= 0.0 || dot(s.geometric_normal, l) <= 0.0) break;
+        vec3 weight = reflected(s, l, v) / came_with;
+        if (k == 0u) {
+            // Irradiance, by the directions alone.
+            to_irradiance = vec3(s.metallic < 1.0 ? max(dot(s.normal, l), 0.0) / came_with : 0.0);
+        } else {
+            to_irradiance *= weight;
+        }
+        throughput *= weight;
+        if (k >= 4u) {
+            // Russian roulette: what carries little ends early, and what is left carries more.
+            float survives = clamp(max(throughput.r, max(throughput.g, throughput.b)), 0.05, 1.0);
+            if (next.w >= survives) break;
+            throughput /= survives;
+            to_irradiance /= survives;
+        }
+        if (all(equal(throughput, vec3(0.0))) && all(equal(to_irradiance, vec3(0.0)))) break;
+        ray = make_ray(from, l);
+        t_min = 0.0;
+    }
+
+    vec4 before = imageLoad(sums, ivec3(pixel, RADIANCE)), after = before + vec4(radiance, float(met));
+    imageStore(sums, ivec3(pixel, RADIANCE), after);
+    if (params.sample_index > 0u) {
+        vec3 from_old = radiance - before.rgb / float(params.sample_index), from_new = radiance - after.rgb / float(params.sample_index + 1u);
+        add(pixel, SPREAD, vec4(from_old * from_new, 0.0));
+    }
+    if (params.bounces > 0u) add(pixel, IRRADIANCE, vec4(irradiance, 0.0));
+    add(pixel, ALBEDO, vec4(first_albedo, 0.0));
+    atomicAdd(rays.at[0], traced);
+}

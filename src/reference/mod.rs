@@ -1,0 +1,255 @@
+//! Ground truth: a progressive path tracer on the same scene, lights and camera as the rasterized frame.
+//!
+//! [`Tracer`] adds path after path to [`Sums`] that stay on the device; what a pixel's n-th path does depends on the seed, the pixel
+//! and n alone, so that the same seed gives the same bytes however the work was cut up, stopped and resumed. Direct light is
+//! what the first surface reflects of what shines by itself; bounce k is what it reflects after k more surfaces.
+
+mod sums;
+
+pub use sums::{Layer, Sums};
+
+use crate::config::{Config, Dielectric};
+use crate::fail;
+use crate::gpu::{Feature, Format, ImageId};
+use crate::graph::{Execution, Graph};
+use crate::renderer::Renderer;
+use crate::scene::Light;
+use crate::scene::projection::{Projector, View};
+use crate::shader_struct;
+use anyhow::{Context, Result};
+use bytemuck::Zeroable;
+use glam::Vec3;
+use std::time::Instant;
+
+shader_struct! {
+    struct PathParams {
+        environment: [f32; 3],
+        first_row: u32,
+        rows: u32,
+        sample_index: u32,
+        seed: u32,
+        bounces: u32,
+        lights: u32,
+        emitters: u32,
+        squared_min_distance: f32,
+    }
+}
+
+/// Indirect bounces that can be asked for: more would run into the limit that a software driver sets to a shader's loops.
+pub const MOST_BOUNCES: u32 = 32;
+
+/// What to trace, beside the config.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Layers of indirect light; 0 is direct light alone.
+    pub bounces: u32,
+    /// The frame of the config's camera path and lights.
+    pub frame_index: u32,
+    /// The bound of the VPLs' light (`gather.min_distance`) on each bounce, metres; 0 is the truth.
+    pub min_distance: f32,
+}
+
+/// A path tracer at work on a scene. The device owns its sums.
+pub struct Tracer {
+    view: View,
+    lights: Vec<Projector>,
+    environment: Vec3,
+    glossy_dielectric: bool,
+    seed: u32,
+    settings: Settings,
+    sums: ImageId,
+    samples: u32,
+    /// Rows of pixels that are traced in one submission.
+    rows: u32,
+}
+
+/// A submission takes about so long: short enough for a display's watchdog and for stopping, long enough to cost nothing.
+const SUBMISSION_SECONDS: f64 = 0.25;
+
+impl Tracer {
+    /// A tracer that has traced nothing yet, or goes on from `sums`.
+    ///
+    /// Fails where the device cannot hold the sums, and where the config's lights are too many.
+    pub fn new(renderer: &mut Renderer, config: &Config, settings: Settings, sums: Option<&Sums>) -> Result<Self> {
+        let view = renderer.view(config, settings.frame_index)?;
+        let lights = renderer.lights(config, settings.frame_index);
+        let mut projectors = Vec::new();
+        for light in &lights {
+            // All faces of a point light are one light here.
+            let faces = Projector::of_lights(&[*light], [1, 1], renderer.device_scene().bounds, renderer.device_scene().bounds);
+            projectors.extend(faces.first());
+        }
+        if projectors.len() > Projector::MAX {
+            return Err(fail!(BadInput, "light: {} lights are over the {} that fit; take fewer", projectors.len(), Projector::MAX));
+        }
+        let environment = lights.iter().filter_map(|light| match light {
+            Light::Environment { radiance } => Some(*radiance),
+            _ => None,
+        });
+        let limit = renderer.gpu().adapter.limits.image_size;
+        if config.frame.size.iter().any(|side| *side > limit) {
+            let [width, height] = config.frame.size;
+            return Err(fail!(
+                BadInput,
+                "frame.size: {width}x{height} is over the {limit} a side that {} allows",
+                renderer.gpu().adapter.name
+            ));
+        }
+        let empty;
+        let sums = match sums {
+            Some(sums) => sums,
+            None => {
+                empty = Sums::new(config.frame.size, settings.bounces);
+                &empty
+            }
+        };
+        let [width, height] = sums.size;
+        let image = renderer
+            .engine()
+            .gpu
+            .create_filled_image(
+                "reference/sums",
+                Format::Rgba32Float,
+                [width, height, sums.layer_count()],
+                bytemuck::cast_slice(&sums.texels),
+                true,
+            )
+            .context("the sums of the path tracer")?;
+        Ok(Self {
+            view,
+            lights: projectors,
+            environment: environment.sum(),
+            glossy_dielectric: config.materials.dielectric == Dielectric::Ggx,
+            seed: config.frame.seed,
+            settings,
+            sums: image,
+            samples: sums.samples,
+            rows: 8,
+        })
+    }
+
+    /// Paths that each pixel has had.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    fn sums_size(&self) -> ([u32; 2], u32) {
+        ([self.view.width, self.view.height], Layer::count(self.settings.bounces))
+    }
+
+    /// One more path through every pixel. How many rays that took, and the device's time in milliseconds.
+    pub fn sample(&mut self, renderer: &mut Renderer, execution: &Execution) -> Result<(u64, f64)> {
+        let (mut rays, mut ms) = (0, 0.0);
+        let mut row = 0;
+        while row < self.view.height {
+            let rows = self.rows.min(self.view.height - row);
+            let start = Instant::now();
+            let (traced, took) = self.rows(renderer, execution, row, rows)?;
+            rays += traced;
+            ms += took;
+            row += rows;
+            // In whole workgroups.
+            let fitting = f64::from(rows) * SUBMISSION_SECONDS / start.elapsed().as_secs_f64().max(1e-6);
+            let most = (self.rows * 2).min(self.view.height).max(8);
+            self.rows = (fitting.min(f64::from(most)) as u32).next_multiple_of(8);
+        }
+        self.samples += 1;
+        Ok((rays, ms))
+    }
+
+    fn rows(&self, renderer: &mut Renderer, execution: &Execution, first_row: u32, rows: u32) -> Result<(u64, f64)> {
+        let mut g = Graph::new();
+        let Some(traced) = renderer.traced_scene() else { unreachable!("the scene was brought without what rays need") };
+        let handles = renderer.device_scene().import(&mut g);
+        let scene = traced.import(&mut g, handles);
+        let mut lights = vec![Projector::zeroed(); Projector::MAX];
+        lights[..self.lights.len()].copy_from_slice(&self.lights);
+        let lights = g.upload("lights", &lights);
+        let view = g.upload("view", &[self.view]);
+        let counter = g.upload("reference/rays", &[0u32]);
+        let (size, layers) = self.sums_size();
+        let sums = g.keep_image("reference/sums", self.sums, Format::Rgba32Float, size, layers);
+        g.compute("reference/path")
+            .traces(&scene)
+            .reads("view", view)
+            .reads("lights", lights)
+            .reads("emitters", scene.emitters)
+            .updates("sums", sums)
+            .updates("rays", counter)
+            .constant("GLOSSY_DIELECTRIC", self.glossy_dielectric)
+            .constant("LIGHT_KIND", Projector::common_kind(&self.lights))
+            .constant("ENVIRONMENT", self.environment != Vec3::ZERO)
+            .params(&PathParams {
+                environment: self.environment.into(),
+                first_row,
+                rows,
+                sample_index: self.samples,
+                seed: self.seed,
+                bounces: self.settings.bounces,
+                lights: self.lights.len() as u32,
+                emitters: scene.emitter_count,
+                squared_min_distance: self.settings.min_distance * self.settings.min_distance,
+            })
+            .dispatch([self.view.width, rows, 1]);
+        let counted = g.read_back(counter);
+        let outcome = renderer.engine().execute(&g, execution)?;
+        let rays = bytemuck::pod_read_unaligned::<u32>(outcome.bytes(counted));
+        Ok((u64::from(rays), outcome.times.iter().map(|(_, ms)| ms).sum()))
+    }
+
+    /// The sums so far.
+    pub fn sums(&self, renderer: &mut Renderer) -> Result<Sums> {
+        let mut g = Graph::new();
+        let (size, layers) = self.sums_size();
+        let sums = g.keep_image("reference/sums", self.sums, Format::Rgba32Float, size, layers);
+        let read = g.read_back(sums);
+        let outcome = renderer.engine().execute(&g, &Execution::default())?;
+        let texels = bytemuck::pod_collect_to_vec(outcome.bytes(read));
+        Ok(Sums { size, bounces: self.settings.bounces, samples: self.samples, texels })
+    }
+
+    /// Normal and distance along the view's axis, and position, of what the middle of each pixel shows; zeros where it shows
+    /// nothing.
+    pub fn features(&self, renderer: &mut Renderer) -> Result<Features> {
+        let mut g = Graph::new();
+        let Some(traced) = renderer.traced_scene() else { unreachable!("the scene was brought without what rays need") };
+        let handles = renderer.device_scene().import(&mut g);
+        let scene = traced.import(&mut g, handles);
+        let view = g.upload("view", &[self.view]);
+        let (size, _) = self.sums_size();
+        let normals = g.image("reference/normals", Format::Rgba32Float, size);
+        let positions = g.image("reference/positions", Format::Rgba32Float, size);
+        g.compute("reference/features")
+            .traces(&scene)
+            .reads("view", view)
+            .writes("normals_and_distances", normals)
+            .writes("positions", positions)
+            .dispatch([size[0], size[1], 1]);
+        let (normals, positions) = (g.read_back(normals), g.read_back(positions));
+        let outcome = renderer.engine().execute(&g, &Execution::default())?;
+        let vectors = |read| -> Vec<[f32; 4]> { bytemuck::pod_collect_to_vec(outcome.bytes(read)) };
+        Ok(Features { normals_and_distances: vectors(normals), positions: vectors(positions) })
+    }
+
+    /// Compiles the shaders and makes the pipelines.
+    pub fn prepare(&self, renderer: &mut Renderer) -> Result<()> {
+        self.rows(renderer, &Execution::default(), self.view.height, 1).map(|_| ())
+    }
+
+    /// Gives the memory of the sums back.
+    pub fn free(self, renderer: &mut Renderer) {
+        renderer.engine().gpu.free_image(self.sums);
+    }
+}
+
+/// What a method of the path tracer needs of a device.
+pub const NEEDS: &[Feature] = &[];
+
+/// What the middles of the pixels show, row by row from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Features {
+    /// World shading normal, and distance along the view's axis, metres.
+    pub normals_and_distances: Vec<[f32; 4]>,
+    /// World position, metres; the fourth number is 1 where there is a surface.
+    pub positions: Vec<[f32; 4]>,
+}

@@ -1,0 +1,114 @@
+//! What the path tracer adds up, and what follows from it: means, variances, errors.
+
+/// A layer of the sums, as `glsl/reference/path.comp` numbers them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layer {
+    /// All light; the fourth channel counts the paths that met a surface.
+    Radiance,
+    /// Sum of the squared differences of the radiance from its mean (Welford 1962).
+    Spread,
+    /// Indirect irradiance of the first surface, where it reflects diffusely.
+    Irradiance,
+    /// Base colour of the first surface.
+    Albedo,
+    Direct,
+    /// What the first surface reflects after so many more surfaces; from 1.
+    Bounce(u32),
+}
+
+impl Layer {
+    fn index(self) -> usize {
+        match self {
+            Self::Radiance => 0,
+            Self::Spread => 1,
+            Self::Irradiance => 2,
+            Self::Albedo => 3,
+            Self::Direct => 4,
+            Self::Bounce(k) => 4 + k as usize,
+        }
+    }
+
+    /// Layers of a tracer of so many bounces.
+    pub fn count(bounces: u32) -> u32 {
+        5 + bounces
+    }
+
+    /// Every layer of a tracer of so many bounces, in order, by the name it is kept under.
+    pub fn all(bounces: u32) -> Vec<(String, Self)> {
+        let named = [("radiance", Self::Radiance), ("spread", Self::Spread), ("irradiance", Self::Irradiance), ("albedo", Self::Albedo)];
+        let mut all: Vec<_> = named.into_iter().map(|(name, layer)| (name.to_owned(), layer)).collect();
+        all.push(("direct".to_owned(), Self::Direct));
+        all.extend((1..=bounces).map(|k| (format!("bounce{k}"), Self::Bounce(k))));
+        all
+    }
+}
+
+/// Sums over the paths of every pixel: four numbers a pixel, row by row from the top, layer by layer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sums {
+    pub size: [u32; 2],
+    pub bounces: u32,
+    /// Paths a pixel.
+    pub samples: u32,
+    pub texels: Vec<[f32; 4]>,
+}
+
+impl Sums {
+    /// Of no path.
+    pub fn new(size: [u32; 2], bounces: u32) -> Self {
+        let pixels = size[0] as usize * size[1] as usize;
+        Self { size, bounces, samples: 0, texels: vec![[0.0; 4]; pixels * Layer::count(bounces) as usize] }
+    }
+
+    pub fn layer_count(&self) -> u32 {
+        Layer::count(self.bounces)
+    }
+
+    pub fn pixels(&self) -> usize {
+        self.size[0] as usize * self.size[1] as usize
+    }
+
+    /// A layer's sums.
+    pub fn layer(&self, layer: Layer) -> &[[f32; 4]] {
+        &self.texels[layer.index() * self.pixels()..][..self.pixels()]
+    }
+
+    /// A layer's means.
+    pub fn mean(&self, layer: Layer) -> Vec<[f32; 4]> {
+        let n = f64::from(self.samples.max(1));
+        self.layer(layer).iter().map(|texel| texel.map(|sum| (f64::from(sum) / n) as f32)).collect()
+    }
+
+    /// All bounces together.
+    pub fn indirect(&self) -> Vec<[f32; 4]> {
+        let mut sum = vec![[0.0; 4]; self.pixels()];
+        for k in 1..=self.bounces {
+            for (sum, mean) in sum.iter_mut().zip(self.mean(Layer::Bounce(k))) {
+                *sum = std::array::from_fn(|i| sum[i] + mean[i]);
+            }
+        }
+        sum
+    }
+
+    /// Variance of the mean radiance; infinite where there is one path alone, since it tells nothing of it.
+    pub fn variance(&self) -> Vec<[f32; 3]> {
+        let n = f64::from(self.samples);
+        let of = |spread: f32| if self.samples > 1 { (f64::from(spread).max(0.0) / (n * (n - 1.0))) as f32 } else { f32::INFINITY };
+        self.layer(Layer::Spread).iter().map(|texel| [of(texel[0]), of(texel[1]), of(texel[2])]).collect()
+    }
+
+    /// Root mean square over pixels and channels of the standard error, over the mean of the radiance: the relative error that
+    /// `--target-error` asks for. Infinite as long as it is unknown.
+    pub fn relative_error(&self) -> f64 {
+        let mean = self.mean(Layer::Radiance).iter().flat_map(|texel| texel[..3].to_vec()).map(f64::from).sum::<f64>();
+        let variance = self.variance().iter().flatten().map(|v| f64::from(*v)).sum::<f64>();
+        let count = 3.0 * self.pixels() as f64;
+        if self.samples < 2 {
+            f64::INFINITY
+        } else if variance == 0.0 {
+            0.0
+        } else {
+            (variance / count).sqrt() / (mean / count)
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! A bounding volume hierarchy over all triangles of a scene, laid out for the traversal in `glsl/bvh/traverse.glsl`.
+//!
+//! The tree is built by a crate (PLOC with reinsertion); here it becomes records of 16-byte texels. Images hold them, since a
+//! software driver fetches a texel of four words at about the cost of one word of a storage buffer.
+
+use super::{Material, Scene};
+use glam::{Affine3A, Vec3, Vec3A};
+use obvhs::aabb::Aabb as BuildAabb;
+use obvhs::bvh2::{Bvh2, builder::build_bvh2};
+use obvhs::ploc::{PlocSearchDistance, SortPrecision};
+use obvhs::{Boundable, BvhBuildParams};
+use rayon::prelude::*;
+use std::time::Duration;
+
+/// Set in a link to a leaf: the count of its triangles follows in the next bits, then the number of the first.
+const LEAF: u32 = 1 << 31;
+const COUNT_SHIFT: u32 = 28;
+/// Triangles of a leaf; they must fit between [`LEAF`] and [`COUNT_SHIFT`].
+const MOST_IN_LEAF: u32 = 4;
+/// Triangles that links can number.
+pub const MOST_TRIANGLES: u64 = 1 << COUNT_SHIFT;
+/// The traversal's stack: [`Bvh::depth`] is never more, or the tree is built again in a plainer way.
+pub const STACK: usize = 64;
+
+/// What the traversal must know of a triangle beside its corners.
+pub mod flags {
+    /// Its texture has holes.
+    pub const MASKED: u32 = 1;
+    /// Its back is no surface to the camera, and ends light.
+    pub const SINGLE_SIDED: u32 = 2;
+}
+
+/// Two children of a node: boxes on a grid of 2^16 cells a side, 6 words, and links.
+///
+/// Word k of the first three holds the first child's lower (low half) and upper (high half) plane of axis k, then its link; the
+/// other four words are the second child's. A link is a node's number, or [`LEAF`] with count - 1 and first triangle.
+pub type Node = [u32; 8];
+
+/// Three corners in the world, each with a word after it: the draw, the position of the triangle's first index in the scene's
+/// index array, and [`flags`].
+pub type Triangle = [u32; 12];
+
+/// See the module's page.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Bvh {
+    /// Lower corner of the grid and the size of its cells, metres.
+    pub origin: Vec3,
+    pub cell: Vec3,
+    /// The root is the first.
+    pub nodes: Vec<Node>,
+    /// In the order of the leaves. A triangle is in one leaf alone.
+    pub triangles: Vec<Triangle>,
+    /// Nodes on the longest way down.
+    pub depth: usize,
+}
+
+struct Corners([Vec3A; 3]);
+
+impl Boundable for Corners {
+    fn aabb(&self) -> BuildAabb {
+        BuildAabb::from_points(&self.0)
+    }
+}
+
+impl Bvh {
+    /// Builds the tree of all triangles of a scene, in the world.
+    pub fn build(scene: &Scene) -> Self {
+        let mut records: Vec<Triangle> = Vec::with_capacity(scene.triangle_count() as usize);
+        for (number, draw) in scene.draws.iter().enumerate() {
+            let flags = material_flags(&scene.materials[draw.material as usize]);
+            let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
+            let record = |(i, triangle): (usize, &[u32])| {
+                let corner = |k: usize| world(&draw.transform, scene.vertices[(draw.vertex_offset + triangle[k]) as usize].position);
+                let first_index = draw.first_index + 3 * i as u32;
+                let [a, b, c] = [corner(0), corner(1), corner(2)];
+                [a[0], a[1], a[2], number as u32, b[0], b[1], b[2], first_index, c[0], c[1], c[2], flags]
+            };
+            records.par_extend(scene.indices[range].par_chunks_exact(3).enumerate().map(record));
+        }
+        let corners: Vec<Corners> = records.par_iter().map(|record| Corners(corners(record))).collect();
+        let mut tree = build_bvh2(&corners, PARAMETERS, &mut Duration::default());
+        if tree.depth(0) > STACK - 2 {
+            // A chain of boxes in boxes, which only the optimisation of a strange scene makes.
+            tree = build_bvh2(&corners, BvhBuildParams { reinsertion_batch_ratio: 0.0, ..PARAMETERS }, &mut Duration::default());
+        }
+        drop(corners);
+        lay_out(&tree, &records)
+    }
+}
+
+const PARAMETERS: BvhBuildParams = BvhBuildParams {
+    pre_split: false,
+    ploc_search_distance: PlocSearchDistance::Low,
+    search_depth_threshold: 2,
+    reinsertion_batch_ratio: 0.02,
+    post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
+    sort_precision: SortPrecision::U64,
+    max_prims_per_leaf: MOST_IN_LEAF,
+    collapse_traversal_cost: 1.0,
+};
+
+fn material_flags(material: &Material) -> u32 {
+    let masked = if material.alpha_cutoff.is_some() { flags::MASKED } else { 0 };
+    masked | if material.double_sided { 0 } else { flags::SINGLE_SIDED }
+}
+
+fn world(transform: &Affine3A, position: [f32; 3]) -> [u32; 3] {
+    transform.transform_point3(position.into()).to_array().map(f32::to_bits)
+}
+
+/// The corners of a record.
+fn corners(record: &Triangle) -> [Vec3A; 3] {
+    [0, 4, 8].map(|at| Vec3A::from_array(std::array::from_fn(|axis| f32::from_bits(record[at + axis]))))
+}
+
+/// Turns the crate's tree into records, parents before children and siblings together.
+fn lay_out(tree: &Bvh2, records: &[Triangle]) -> Bvh {
+    let mut bvh = Bvh { nodes: vec![NOTHING], ..Bvh::default() };
+    let Some(root) = tree.nodes.first() else { return bvh };
+    let (min, max) = (Vec3::from(root.aabb().min), Vec3::from(root.aabb().max));
+    // A flat scene has cells of some height too. Boxes are rounded outwards by up to two cells.
+    let least = 1e-9 + min.abs().max(max.abs()).max_element() * 1e-6;
+    bvh.cell = (max - min).max(Vec3::splat(least)) / (GRID - 4.0);
+    bvh.origin = min - 2.0 * bvh.cell;
+    bvh.depth = tree.depth(0);
+    bvh.triangles.reserve(records.len());
+    if root.is_leaf() {
+        let link = bvh.leaf(tree, records, 0);
+        let child = bvh.child(root.aabb(), link);
+        bvh.nodes[0][..4].copy_from_slice(&child);
+        return bvh;
+    }
+    bvh.nodes.reserve(tree.nodes.len() / 2 + 1);
+    // The crate's node, and the number of its record.
+    let mut open = vec![(0, 0)];
+    while let Some((from, to)) = open.pop() {
+        let first: usize = tree.nodes[from].first_index as usize;
+        for (half, which) in [first, first + 1].into_iter().enumerate() {
+            let link = if tree.nodes[which].is_leaf() {
+                bvh.leaf(tree, records, which)
+            } else {
+                bvh.nodes.push(NOTHING);
+                open.push((which, bvh.nodes.len() - 1));
+                bvh.nodes.len() as u32 - 1
+            };
+            let child = bvh.child(tree.nodes[which].aabb(), link);
+            bvh.nodes[to][4 * half..][..4].copy_from_slice(&child);
+        }
+    }
+    bvh
+}
+
+/// Grid cells a side.
+const GRID: f32 = 65_535.0;
+
+/// Two children that no ray meets: their upper planes are under their lower ones.
+const NOTHING: Node = [0xffff, 0xffff, 0xffff, 0, 0xffff, 0xffff, 0xffff, 0];
+
+impl Bvh {
+    /// Adds a leaf's triangles; the link to them.
+    fn leaf(&mut self, tree: &Bvh2, records: &[Triangle], which: usize) -> u32 {
+        let node = &tree.nodes[which];
+        let (from, count) = (node.first_index as usize, node.prim_count);
+        assert!((1..=MOST_IN_LEAF).contains(&count), "a leaf of {count} triangles");
+        let first = self.triangles.len() as u32;
+        self.triangles.extend(tree.primitive_indices[from..from + count as usize].iter().map(|i| records[*i as usize]));
+        LEAF | (count - 1) << COUNT_SHIFT | first
+    }
+
+    /// Half a node. Its box is rounded outwards, and by a cell more against the rounding of the traversal.
+    fn child(&self, bounds: &BuildAabb, link: u32) -> [u32; 4] {
+        let lower = ((Vec3::from(bounds.min) - self.origin) / self.cell - 1.0).floor().clamp(Vec3::ZERO, Vec3::splat(GRID));
+        let upper = ((Vec3::from(bounds.max) - self.origin) / self.cell + 1.0).ceil().clamp(Vec3::ZERO, Vec3::splat(GRID));
+        let word = |axis: usize| lower[axis] as u32 | (upper[axis] as u32) << 16;
+        [word(0), word(1), word(2), link]
+    }
+}

@@ -1,0 +1,243 @@
+//! What rays see of a scene on the device: the bounding volume hierarchy, the vertices, indices, draws and materials that the
+//! rasterizer has too, all textures' texels in one image, since a ray may meet any of them, and the surfaces that emit.
+
+use super::bvh::Bvh;
+use super::device_bvh::{BvhHandles, DeviceBvh};
+use super::{Map, Material, Scene, Texture, Wrap};
+use crate::fail;
+use crate::gpu::{Format, Gpu, ImageId};
+use crate::graph::{Buffer, ComputePass, Graph, Image};
+use crate::scene::device::SceneHandles;
+use crate::shader_struct;
+use anyhow::Result;
+use glam::{DVec3, Vec3};
+
+shader_struct! {
+    /// A triangle that emits: `glsl/reference/path.comp`.
+    pub struct Emitter {
+        /// Its number in the hierarchy.
+        pub triangle: u32,
+        /// The chance that a sample falls on it or on one before it.
+        pub cumulative: f32,
+    }
+}
+
+/// The image of all texels is so wide and, where it has layers, so high; `glsl/bvh/surface.glsl` divides by it.
+const SIDE: usize = 4096;
+
+/// What some material of a scene has: specialization constants of `glsl/bvh/surface.glsl`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Traits {
+    base_color_maps: bool,
+    metallic_roughness_maps: bool,
+    emission_maps: bool,
+    normal_maps: bool,
+    vertex_colors: bool,
+    masks: bool,
+    pub emission: bool,
+    pub metals: bool,
+    single_sides: bool,
+}
+
+/// See the module's page. The device owns all of it.
+pub struct TracedScene {
+    bvh: DeviceBvh,
+    texels: (ImageId, [u32; 3]),
+    emitters: Vec<Emitter>,
+    pub traits: Traits,
+}
+
+/// A traced scene in one frame's graph.
+#[derive(Debug, Clone, Copy)]
+pub struct TracedHandles {
+    bvh: BvhHandles,
+    texels: Image,
+    scene: SceneHandles,
+    pub emitters: Buffer,
+    pub emitter_count: u32,
+    pub traits: Traits,
+}
+
+impl TracedScene {
+    /// Builds what rays need of a scene and brings it to the device. Errors name the limit and the knob.
+    pub fn upload(gpu: &mut Gpu, scene: &Scene) -> Result<Self> {
+        let limits = gpu.adapter.limits;
+        for (what, bytes) in [("vertices", size_of_val(&scene.vertices[..])), ("indices", size_of_val(&scene.indices[..]))] {
+            if bytes as u64 > limits.storage_buffer_bytes {
+                return Err(fail!(
+                    BadInput,
+                    "{}: its {} triangles need {} MB of {what}, over the {} MB of a buffer that {} lets a ray see; lower scene.triangles or take a smaller file",
+                    scene.name,
+                    scene.triangle_count(),
+                    bytes >> 20,
+                    limits.storage_buffer_bytes >> 20,
+                    gpu.adapter.name
+                ));
+            }
+        }
+        let bvh = Bvh::build(scene);
+        let emitters = emitters(scene, &bvh);
+        Ok(Self { texels: upload_texels(gpu, scene)?, bvh: DeviceBvh::upload(gpu, &scene.name, &bvh)?, emitters, traits: traits(scene) })
+    }
+
+    /// The scene as this frame's resources.
+    pub fn import(&self, g: &mut Graph, scene: SceneHandles) -> TracedHandles {
+        let (texels, [width, height, layers]) = self.texels;
+        // A buffer is never empty; nothing samples this one.
+        let none = [Emitter { triangle: 0, cumulative: 1.0 }];
+        TracedHandles {
+            bvh: self.bvh.import(g),
+            texels: g.import_image("scene/texels", texels, Format::Rgba8Unorm, [width, height], layers),
+            scene,
+            emitters: g.upload("scene/emitters", if self.emitters.is_empty() { &none } else { &self.emitters }),
+            emitter_count: self.emitters.len() as u32,
+            traits: self.traits,
+        }
+    }
+}
+
+impl<'g> ComputePass<'g> {
+    /// Reads all that `glsl/bvh/surface.glsl` binds.
+    pub fn traces(self, scene: &TracedHandles) -> Self {
+        let has = scene.traits;
+        self.reads("bvh", scene.bvh.data)
+            .reads("bvh_nodes", scene.bvh.nodes)
+            .reads("bvh_triangles", scene.bvh.triangles)
+            .reads("vertices", scene.scene.vertices)
+            .reads("indices", scene.scene.indices)
+            .reads("draws", scene.scene.draws)
+            .reads("materials", scene.scene.materials)
+            .reads("texels", scene.texels)
+            .constant("BASE_COLOR_MAPS", has.base_color_maps)
+            .constant("METALLIC_ROUGHNESS_MAPS", has.metallic_roughness_maps)
+            .constant("EMISSION_MAPS", has.emission_maps)
+            .constant("NORMAL_MAPS", has.normal_maps)
+            .constant("VERTEX_COLORS", has.vertex_colors)
+            .constant("MASKS", has.masks)
+            .constant("EMISSION", has.emission)
+            .constant("METALS", has.metals)
+            .constant("SINGLE_SIDES", has.single_sides)
+    }
+}
+
+fn traits(scene: &Scene) -> Traits {
+    let some = |has: fn(&Material) -> bool| scene.draws.iter().any(|draw| has(&scene.materials[draw.material as usize]));
+    Traits {
+        base_color_maps: some(|m| m.base_color_map.is_some()),
+        metallic_roughness_maps: some(|m| m.metallic_roughness_map.is_some()),
+        emission_maps: some(|m| m.emission_map.is_some()),
+        normal_maps: some(|m| m.normal_map.is_some()),
+        vertex_colors: scene.vertices.iter().any(|vertex| vertex.color != u32::MAX),
+        masks: some(|m| m.alpha_cutoff.is_some()),
+        emission: some(|m| m.emission != [0.0; 3]),
+        metals: some(|m| m.metallic > 0.0),
+        single_sides: some(|m| !m.double_sided),
+    }
+}
+
+/// Where each of a scene's textures begins in the image of all texels.
+pub(super) fn first_texels(scene: &Scene) -> Vec<u32> {
+    let begin = |first: &mut u64, texture: &Texture| {
+        let here = *first;
+        *first += u64::from(texture.width) * u64::from(texture.height);
+        Some(here as u32)
+    };
+    scene.textures.iter().scan(0, begin).collect()
+}
+
+/// A map's words in the material: `TexelMap` of `glsl/lib/scene.glsl`.
+pub(super) fn texel_map(map: Option<Map>, scene: &Scene, first: &[u32]) -> [u32; 3] {
+    let Some(map) = map else { return [0; 3] };
+    let texture = &scene.textures[map.texture as usize];
+    let wrap = |wrap: Wrap| match wrap {
+        Wrap::Repeat => 0,
+        Wrap::MirroredRepeat => 1,
+        Wrap::ClampToEdge => 2,
+    };
+    let how =
+        wrap(map.wrap_u) | wrap(map.wrap_v) << 2 | u32::from(map.filter == super::Filter::Nearest) << 4 | u32::from(texture.srgb) << 5;
+    [first[map.texture as usize], texture.width | texture.height << 16, how]
+}
+
+/// All textures' texels, one after the other, as an image.
+fn upload_texels(gpu: &mut Gpu, scene: &Scene) -> Result<(ImageId, [u32; 3])> {
+    let count: usize = scene.textures.iter().map(|texture| texture.texels.len() / 4).sum();
+    let rows = count.div_ceil(SIDE).max(1);
+    let layers = rows.div_ceil(SIDE);
+    let limit = (gpu.adapter.limits.image_layers as usize).min(256);
+    if layers > limit {
+        return Err(fail!(
+            BadInput,
+            "{}: its textures' {} million texels are more than rays can see on {}; scale the textures down",
+            scene.name,
+            count / 1_000_000,
+            gpu.adapter.name
+        ));
+    }
+    let size = [SIDE as u32, rows.min(SIDE) as u32, layers as u32];
+    let mut texels = Vec::with_capacity(SIDE * rows.min(SIDE) * layers * 4);
+    scene.textures.iter().for_each(|texture| texels.extend_from_slice(&texture.texels));
+    texels.resize(SIDE * rows.min(SIDE) * layers * 4, 255);
+    Ok((gpu.create_filled_image("scene/texels", Format::Rgba8Unorm, size, &texels, false)?, size))
+}
+
+fn luminance(color: DVec3) -> f64 {
+    color.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// How likely a material's surface is sampled as a light, before it is normalized: its mean luminance, both sides together.
+fn emitter_weight(scene: &Scene, material: &Material) -> f64 {
+    let mean = material.emission_map.map_or(DVec3::ONE, |map| {
+        let texture = &scene.textures[map.texture as usize];
+        let curve = |byte: u8| match f32::from(byte) / 255.0 {
+            encoded if texture.srgb => f64::from(crate::gpu::srgb_to_linear(encoded)),
+            linear => f64::from(linear),
+        };
+        let table: Vec<f64> = (0..=255).map(curve).collect();
+        let texels = texture.texels.chunks_exact(4);
+        let count = texels.len().max(1) as f64;
+        // What is dark on the whole may still shine somewhere.
+        (texels.map(|t| DVec3::new(table[t[0] as usize], table[t[1] as usize], table[t[2] as usize])).sum::<DVec3>() / count)
+            .max(DVec3::splat(1e-4))
+    });
+    luminance(Vec3::from(material.emission).as_dvec3() * mean)
+}
+
+fn corner(record: &super::bvh::Triangle, at: usize) -> DVec3 {
+    Vec3::new(f32::from_bits(record[at]), f32::from_bits(record[at + 1]), f32::from_bits(record[at + 2])).as_dvec3()
+}
+
+/// The emitting triangles, each as likely as its share of the emitted power.
+fn emitters(scene: &Scene, bvh: &Bvh) -> Vec<Emitter> {
+    let weights: Vec<f64> = scene.materials.iter().map(|material| emitter_weight(scene, material)).collect();
+    if weights.iter().all(|weight| *weight == 0.0) {
+        return Vec::new();
+    }
+    let mut sum = 0.0;
+    let mut found = Vec::new();
+    for (i, record) in bvh.triangles.iter().enumerate() {
+        let weight = weights[scene.draws[record[3] as usize].material as usize];
+        let area = (corner(record, 4) - corner(record, 0)).cross(corner(record, 8) - corner(record, 0)).length() * 0.5;
+        if weight * area > 0.0 {
+            sum += weight * area;
+            found.push((i as u32, sum));
+        }
+    }
+    found.into_iter().map(|(triangle, upto)| Emitter { triangle, cumulative: (upto / sum) as f32 }).collect()
+}
+
+/// Of each material, the density by which a point of its surface is sampled as a light, 1/m^2; 0 where it emits nothing.
+pub(super) fn emitter_densities(scene: &Scene) -> Vec<f32> {
+    let weights: Vec<f64> = scene.materials.iter().map(|material| emitter_weight(scene, material)).collect();
+    if weights.iter().all(|weight| *weight == 0.0) {
+        return vec![0.0; weights.len()];
+    }
+    let area = |draw: &super::Draw| {
+        let corners: Vec<DVec3> =
+            scene.draw_vertices(draw).map(|v| draw.transform.transform_point3(v.position.into()).as_dvec3()).collect();
+        corners.chunks_exact(3).map(|c| (c[1] - c[0]).cross(c[2] - c[0]).length() * 0.5).sum::<f64>()
+    };
+    let emitting = scene.draws.iter().filter(|draw| weights[draw.material as usize] > 0.0);
+    let sum: f64 = emitting.map(|draw| weights[draw.material as usize] * area(draw)).sum();
+    weights.iter().map(|weight| if sum > 0.0 { (weight / sum) as f32 } else { 0.0 }).collect()
+}
