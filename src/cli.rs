@@ -20,6 +20,11 @@ pub struct Cli {
 pub enum Command {
     /// Render a config: a picture, its EXR layers and the time of every pass
     Render(RenderArgs),
+    /// Write the scene of a config for another renderer, to check ours with
+    Export {
+        #[command(subcommand)]
+        format: ExportFormat,
+    },
     /// Say which devices there are, what runs on them, and what is missing for the rest
     Doctor,
     /// List devices, stages, methods and presets
@@ -78,6 +83,45 @@ impl RenderArgs {
     }
 }
 
+#[derive(Debug, Clone, PartialEq, Subcommand)]
+pub enum ExportFormat {
+    /// Mitsuba 3: scene.xml, PLY meshes and textures
+    Mitsuba(MitsubaArgs),
+}
+
+#[derive(Debug, Clone, PartialEq, Args)]
+pub struct MitsubaArgs {
+    /// The config, a TOML file
+    pub config: PathBuf,
+    /// Folder for the scene [default: out/<name of the config>/mitsuba]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Set a key of the config, as in --set scene.triangles=10000; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    sets: Vec<String>,
+    /// Size of the picture in pixels, as in 960x540
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[u32; 2]>,
+    /// Which frame's camera and lights [default: the last frame's, as in a render]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..1_000_000))]
+    pub frame: Option<u32>,
+}
+
+impl MitsubaArgs {
+    /// Where the scene goes: `--output`, or a folder in that of a render.
+    pub fn output(&self) -> PathBuf {
+        let name = self.config.file_stem().unwrap_or("config".as_ref());
+        self.output.clone().unwrap_or_else(|| Path::new("out").join(name).join("mitsuba"))
+    }
+
+    /// As [`RenderArgs::overrides`].
+    pub fn overrides(&self) -> Vec<String> {
+        let mut overrides = self.sets.clone();
+        overrides.extend(self.size.map(|[width, height]| format!("frame.size=[{width}, {height}]")));
+        overrides
+    }
+}
+
 /// Reads the program's arguments; prints help, version or what is wrong with them and ends the program where that is all.
 pub fn parse() -> Cli {
     Cli::parse_from(with_command(std::env::args_os().collect()))
@@ -90,7 +134,7 @@ pub fn try_parse(arguments: Vec<OsString>) -> Result<Cli, clap::Error> {
 
 /// The short form: a config as the first argument means `render`. A file that is called as a command is given as ./NAME.
 fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
-    let commands = ["render", "doctor", "list", "help"];
+    let commands = ["render", "export", "doctor", "list", "help"];
     let short = arguments.get(1).is_some_and(|first| {
         let path = Path::new(first);
         let plain = !first.to_string_lossy().starts_with('-') && !commands.iter().any(|command| first == command);
@@ -206,6 +250,10 @@ mod tests {
             "c.toml --unknown",
             "c.toml d.toml",
             "doctor now",
+            "export",
+            "export mitsuba",
+            "export povray c.toml",
+            "export mitsuba c.toml --frame -1",
         ];
         for line in mistakes {
             assert_eq!(arguments(line).expect_err(line).exit_code(), 2, "{line}");
@@ -215,6 +263,19 @@ mod tests {
             assert_eq!(arguments(line).expect_err(line).exit_code(), 0, "{line}");
         }
         assert_eq!(arguments("--version").unwrap_err().to_string(), format!("manylight {}\n", env!("CARGO_PKG_VERSION")));
+    }
+
+    #[test]
+    fn an_export_takes_a_format_a_config_and_what_changes_it() {
+        let export = |line: &str| match arguments(line).unwrap().command {
+            Command::Export { format: ExportFormat::Mitsuba(export) } => export,
+            other => panic!("{other:?}"),
+        };
+        let plain = export("export mitsuba configs/cornell.toml");
+        assert_eq!((plain.output(), plain.frame), (Path::new("out/cornell/mitsuba").to_owned(), None));
+        let all = export("export mitsuba c.toml -o there --set scene.seed=3 --size 64x32 --frame 7");
+        assert_eq!((all.output(), all.frame), (Path::new("there").to_owned(), Some(7)));
+        assert_eq!(all.overrides(), ["scene.seed=3", "frame.size=[64, 32]"]);
     }
 
     #[test]

@@ -1,13 +1,13 @@
 //! `manylight render CONFIG`: pictures, layers, times, and a record of how they came about.
 
+use super::load_config;
 use crate::cli::RenderArgs;
-use crate::config::{self, Config, Layer as LayerName};
+use crate::config::{Config, Layer as LayerName};
 use crate::fail;
 use crate::gpu::{Gpu, Options};
 use crate::graph::{Dump, DumpData, Execution};
 use crate::output::exr::Precision;
 use crate::output::{Layer, RunReport, prepare_folder, write_exr, write_file, write_png};
-use crate::presets;
 use crate::renderer::{Picture, Plane, Renderer, load_scene, timing};
 use crate::report::{Device, PassTime, Provenance, Timings, peak_memory_bytes, timing_table, timings_csv};
 use anyhow::{Context, Result};
@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 /// Renders and writes everything; prints where it is and how long each stage took.
 pub fn run(args: &RenderArgs) -> Result<()> {
     let started = Instant::now();
-    let config = load_config(args)?;
+    let config = load_config(&args.config, &args.overrides())?;
     let folder = args.output();
     prepare_folder(&folder)?;
     let progress = Progress::new(args.quiet);
@@ -106,15 +106,6 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         return Err(fail!(ComparisonFailed, "the validation layer has {} messages, the first: {first}", messages.len()));
     }
     Ok(())
-}
-
-/// A file, or by its name one of the presets that come with the program.
-fn load_config(args: &RenderArgs) -> Result<Config> {
-    let preset = args.config.to_str().and_then(presets::find);
-    match preset {
-        Some(text) if !args.config.exists() => config::parse(text, &args.config.with_extension("toml"), &args.overrides()),
-        _ => config::load(&args.config, &args.overrides()),
-    }
 }
 
 fn provenance(args: &RenderArgs, config: &Config, renderer: &Renderer) -> Provenance {

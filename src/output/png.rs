@@ -4,7 +4,8 @@ use super::file::write_file;
 use anyhow::{Context, Result};
 use std::path::Path;
 
-/// Writes an sRGB image of 8 bits a channel, first row on top: `width * height` pixels of three (RGB) or four (RGBA) bytes.
+/// Writes an sRGB image of 8 bits a channel, first row on top: `width * height` pixels of one (grey), three (RGB) or four (RGBA)
+/// bytes.
 /// The same arguments give the same bytes.
 ///
 /// # Errors
@@ -16,9 +17,10 @@ pub fn write_png(path: &Path, width: u32, height: u32, pixels: &[u8]) -> Result<
 fn encode(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>, png::EncodingError> {
     let count = width as usize * height as usize;
     let color = match pixels.len() {
+        bytes if bytes == count => png::ColorType::Grayscale,
         bytes if bytes == 3 * count => png::ColorType::Rgb,
         bytes if bytes == 4 * count => png::ColorType::Rgba,
-        _ => unreachable!("{} bytes are no RGB or RGBA image of {width}x{height}", pixels.len()),
+        _ => unreachable!("{} bytes are no grey, RGB or RGBA image of {width}x{height}", pixels.len()),
     };
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
@@ -37,9 +39,9 @@ mod tests {
     use std::io::Cursor;
 
     #[test]
-    fn rgb_and_rgba_come_back_as_they_went() {
+    fn grey_rgb_and_rgba_come_back_as_they_went() {
         let folder = tempfile::tempdir().unwrap();
-        for (channels, color) in [(3, png::ColorType::Rgb), (4, png::ColorType::Rgba)] {
+        for (channels, color) in [(1, png::ColorType::Grayscale), (3, png::ColorType::Rgb), (4, png::ColorType::Rgba)] {
             let pixels: Vec<u8> = (0..13 * 7 * channels).map(|i| (i * 37 % 251) as u8).collect();
             let path = folder.path().join("image.png");
             write_png(&path, 13, 7, &pixels).unwrap();

@@ -1,0 +1,36 @@
+//! `manylight export mitsuba CONFIG`: a frame's scene for a renderer that is not ours.
+
+use super::load_config;
+use crate::cli::{ExportFormat, MitsubaArgs};
+use crate::export::mitsuba::{self, Shot};
+use crate::output::prepare_folder;
+use crate::renderer::load_scene;
+use crate::scene::view;
+use anyhow::Result;
+
+/// Writes the scene in the wished format; prints where it is, and to stderr what differs from our own picture.
+pub fn run(format: &ExportFormat) -> Result<()> {
+    match format {
+        ExportFormat::Mitsuba(args) => to_mitsuba(args),
+    }
+}
+
+fn to_mitsuba(args: &MitsubaArgs) -> Result<()> {
+    let config = load_config(&args.config, &args.overrides())?;
+    let folder = args.output();
+    prepare_folder(&folder)?;
+    let (scene, mut warnings) = load_scene(&config.scene)?;
+    // The last frame is the one that a render keeps.
+    let frame = args.frame.unwrap_or(config.frame.count - 1);
+    let camera = view::camera(&config, &scene, scene.bounds(), frame)?;
+    let lights = view::lights(&config, &scene, frame);
+    let shot = Shot { scene: &scene, camera: &camera, lights: &lights, size: config.frame.size, dielectric: config.materials.dielectric };
+    let (path, differs) = mitsuba::write(&folder, &shot)?;
+    warnings.extend(differs);
+    if config.rsm.bounds.is_some() {
+        warnings.push("rsm.box: Mitsuba's directional lights reach all of the scene".to_owned());
+    }
+    warnings.iter().for_each(|warning| eprintln!("manylight: warning: {warning}"));
+    println!("{}", path.display());
+    Ok(())
+}

@@ -1,0 +1,211 @@
+//! Textures: each written once in each of the forms that materials need.
+
+use super::super::xml::Element;
+use super::super::{Names, Warnings};
+use crate::gpu::Format;
+use crate::output::exr::Precision;
+use crate::output::{Layer, write_exr, write_png};
+use crate::scene::{Filter, Map, Scene, Texture, Wrap};
+use anyhow::Result;
+use std::path::Path;
+
+/// What is written of a texture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Content {
+    /// Its colours, times a factor.
+    Color([f32; 3]),
+    /// One channel as data, times a factor.
+    Channel(usize, f32),
+    /// 1 where its alpha times a factor reaches the cutoff, else 0.
+    Opacity { factor: f32, cutoff: f32 },
+    /// Its normals with x and y scaled, and y turned where the map lies mirrored.
+    Normals { scale: f32, left_handed: bool },
+}
+
+/// Writes textures into a folder and remembers which are there.
+pub struct Textures<'a> {
+    scene: &'a Scene,
+    folder: &'a Path,
+    names: Names,
+    written: Vec<(u32, Content, Written)>,
+}
+
+#[derive(Clone)]
+struct Written {
+    file: String,
+    /// Numbers, which no curve is to be taken off.
+    raw: bool,
+    filter: Filter,
+}
+
+impl<'a> Textures<'a> {
+    /// The folder below the scene's.
+    pub const FOLDER: &'static str = "textures";
+
+    pub fn new(scene: &'a Scene, folder: &'a Path) -> Self {
+        Self { scene, folder, names: Names::default(), written: Vec::new() }
+    }
+
+    pub fn get(&self, map: &Map) -> &'a Texture {
+        &self.scene.textures[map.texture as usize]
+    }
+
+    /// The value of a channel that is the same all over the texture.
+    pub fn constant(&self, map: &Map, channel: usize) -> Option<f32> {
+        let mut values = self.get(map).texels.chunks_exact(4).map(|texel| texel[channel]);
+        let first = values.next()?;
+        values.all(|value| value == first).then(|| f32::from(first) / 255.0)
+    }
+
+    /// A texture as the property `name` of what it is a part of.
+    pub fn element(&mut self, name: &str, map: &Map, content: Content, warnings: &mut Warnings) -> Result<Element> {
+        let written = match self.written.iter().find(|(texture, form, _)| (*texture, *form) == (map.texture, content)) {
+            Some((.., written)) => written.clone(),
+            None => {
+                let written = self.write(map, content)?;
+                self.written.push((map.texture, content, written.clone()));
+                written
+            }
+        };
+        if map.wrap_u != map.wrap_v {
+            let texture = &self.get(map).name;
+            warnings.add(format!("texture {texture:?}: Mitsuba wraps both axes alike, v is wrapped as u"));
+        }
+        let wrap = match map.wrap_u {
+            Wrap::Repeat => "repeat",
+            Wrap::MirroredRepeat => "mirror",
+            Wrap::ClampToEdge => "clamp",
+        };
+        let filter = match written.filter {
+            Filter::Linear => "bilinear",
+            Filter::Nearest => "nearest",
+        };
+        let mut element = Element::plugin("texture", "bitmap").with("name", name).children([
+            Element::value("string", "filename", format!("{}/{}", Self::FOLDER, written.file)),
+            Element::value("string", "wrap_mode", wrap),
+            Element::value("string", "filter_type", filter),
+            Element::value("boolean", "raw", written.raw),
+        ]);
+        // Texture coordinates are ours: (0, 0) is the upper left corner in both.
+        let [a, b, c, d] = map.matrix.to_cols_array();
+        if ([a, b, c, d], map.offset.to_array()) != ([1.0, 0.0, 0.0, 1.0], [0.0, 0.0]) {
+            let rows = format!("{a} {c} 0 {} {b} {d} 0 {} 0 0 1 0 0 0 0 1", map.offset.x, map.offset.y);
+            element = element.child(Element::new("transform").with("name", "to_uv").child(Element::new("matrix").with("value", rows)));
+        }
+        Ok(element)
+    }
+
+    fn write(&mut self, map: &Map, content: Content) -> Result<Written> {
+        let texture = self.get(map);
+        let size = (texture.width, texture.height);
+        let texels = || texture.texels.chunks_exact(4);
+        let suffix = match content {
+            Content::Color(_) => "",
+            Content::Channel(..) => "-data",
+            Content::Opacity { .. } => "-opacity",
+            Content::Normals { .. } => "-normals",
+        };
+        let name = self.names.unique(&format!("{}{suffix}", if texture.name.is_empty() { "texture" } else { &texture.name }));
+        let png = |raw, filter| Written { file: format!("{name}.png"), raw, filter };
+        let path = |written: &Written| self.folder.join(&written.file);
+        match content {
+            // As it is where 8 bits hold it exactly, in floats where they would not.
+            Content::Color([1.0, 1.0, 1.0]) => {
+                let written = png(!texture.srgb, map.filter);
+                let rgb: Vec<u8> = texels().flat_map(|texel| [texel[0], texel[1], texel[2]]).collect();
+                write_png(&path(&written), size.0, size.1, &rgb)?;
+                Ok(written)
+            }
+            Content::Color(factor) => {
+                let format = if texture.srgb { Format::Rgba8Srgb } else { Format::Rgba8Unorm };
+                let linear = texels().flat_map(|texel| std::array::from_fn::<f32, 3, _>(|c| format.decode(texel)[c] * factor[c]));
+                self.write_floats(&name, size, &linear.collect::<Vec<f32>>(), false, map.filter)
+            }
+            Content::Channel(channel, 1.0) => {
+                let written = png(true, map.filter);
+                write_png(&path(&written), size.0, size.1, &texels().map(|texel| texel[channel]).collect::<Vec<u8>>())?;
+                Ok(written)
+            }
+            Content::Channel(channel, factor) => {
+                let scaled = texels().flat_map(|texel| [f32::from(texel[channel]) / 255.0 * factor; 3]);
+                self.write_floats(&name, size, &scaled.collect::<Vec<f32>>(), true, map.filter)
+            }
+            Content::Opacity { factor, cutoff } => {
+                let written = png(true, Filter::Nearest);
+                let (width, height, pixels) = opacity(texture, map, factor, cutoff);
+                write_png(&path(&written), width, height, &pixels)?;
+                Ok(written)
+            }
+            Content::Normals { scale, left_handed } => {
+                // Only the direction counts, so that a large scale shrinks the rest and all stays in [0, 1].
+                let most = scale.abs().max(1.0);
+                let factors = [scale / most, if left_handed { -scale } else { scale } / most, 1.0 / most];
+                let component = |(byte, factor): (&u8, f32)| (f32::from(*byte) / 255.0 * 2.0 - 1.0) * factor * 0.5 + 0.5;
+                let normals = texels().flat_map(|texel| texel.iter().zip(factors).map(component));
+                self.write_floats(&name, size, &normals.collect::<Vec<f32>>(), true, map.filter)
+            }
+        }
+    }
+
+    fn write_floats(&self, name: &str, (width, height): (u32, u32), rgb: &[f32], raw: bool, filter: Filter) -> Result<Written> {
+        let written = Written { file: format!("{name}.exr"), raw, filter };
+        let layer = Layer::interleaved("", "RGB", 3, rgb, Precision::Half);
+        write_exr(&self.folder.join(&written.file), width, height, vec![layer], &[])?;
+        Ok(written)
+    }
+}
+
+/// Where a surface is: filtered first and cut off then, as the shaders do it, at several points a texel, since a renderer that
+/// filters what is cut off already would make rims half transparent.
+fn opacity(texture: &Texture, map: &Map, factor: f32, cutoff: f32) -> (u32, u32, Vec<u8>) {
+    const LARGEST: u32 = 4096;
+    let points = match map.filter {
+        Filter::Linear => (LARGEST / texture.width.max(texture.height)).clamp(1, 4),
+        Filter::Nearest => 1,
+    };
+    let (width, height) = (texture.width * points, texture.height * points);
+    let wrapped = |at: i64, side: u32, wrap: Wrap| {
+        let side = i64::from(side);
+        let at = match wrap {
+            Wrap::Repeat => at.rem_euclid(side),
+            Wrap::ClampToEdge => at.clamp(0, side - 1),
+            Wrap::MirroredRepeat => at.rem_euclid(2 * side).min(2 * side - 1 - at.rem_euclid(2 * side)),
+        };
+        at as usize
+    };
+    let alpha = |x: i64, y: i64| {
+        let (x, y) = (wrapped(x, texture.width, map.wrap_u), wrapped(y, texture.height, map.wrap_v));
+        f32::from(texture.texels[(y * texture.width as usize + x) * 4 + 3]) / 255.0
+    };
+    let place = |i: u32| {
+        let at = (i as f32 + 0.5) / points as f32 - 0.5;
+        (at.floor() as i64, at - at.floor())
+    };
+    let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+    let pixel = |x: u32, y: u32| {
+        let ((x, s), (y, t)) = (place(x), place(y));
+        let row = |y| mix(alpha(x, y), alpha(x + 1, y), s);
+        if mix(row(y), row(y + 1), t) * factor < cutoff { 0 } else { 255 }
+    };
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect();
+    (width, height, pixels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn opacity_is_cut_off_between_texels_where_filtering_has_it() {
+        // Alpha 0 and 1 side by side, repeated: it passes one half on the line between the texels and at the texture's border.
+        let texture = Texture { name: "a".into(), width: 2, height: 1, srgb: true, texels: vec![9, 9, 9, 0, 9, 9, 9, 255] };
+        let cut = |wrap_u, filter, cutoff| opacity(&texture, &Map { wrap_u, filter, ..Map::new(0) }, 1.0, cutoff);
+        let (width, height, pixels) = cut(Wrap::Repeat, Filter::Linear, 0.5);
+        assert_eq!((width, height), (8, 4));
+        assert_eq!(pixels[..8], [0, 0, 0, 0, 255, 255, 255, 255]);
+        assert_eq!(cut(Wrap::Repeat, Filter::Linear, 0.8).2[..8], [0, 0, 0, 0, 0, 255, 255, 0]);
+        assert_eq!(cut(Wrap::ClampToEdge, Filter::Linear, 0.8).2[..8], [0, 0, 0, 0, 0, 255, 255, 255]);
+        assert_eq!(cut(Wrap::Repeat, Filter::Nearest, 0.8), (2, 1, vec![0, 255]));
+        assert_eq!(opacity(&texture, &Map::new(0), 0.4, 0.5).2, [0; 32], "the factor counts");
+    }
+}
