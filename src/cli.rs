@@ -20,6 +20,8 @@ pub struct Cli {
 pub enum Command {
     /// Render a config: a picture, its EXR layers and the time of every pass
     Render(RenderArgs),
+    /// Trace paths through a config's scene: the truth that renders are held against
+    Reference(ReferenceArgs),
     /// Write the scene of a config for another renderer, to check ours with
     Export {
         #[command(subcommand)]
@@ -83,6 +85,66 @@ impl RenderArgs {
     }
 }
 
+#[derive(Debug, Clone, PartialEq, Args)]
+pub struct ReferenceArgs {
+    /// The config, a TOML file
+    pub config: PathBuf,
+    /// Folder for the results [default: out/<name of the config>/reference]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Paths through each pixel
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=16_000_000))]
+    pub spp: u32,
+    /// Bounces of indirect light, each a layer of its own
+    #[arg(long, value_name = "B", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=i64::from(crate::reference::MOST_BOUNCES)))]
+    pub bounces: u32,
+    /// Stop after so many seconds, at the end of a sample
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub time: Option<f64>,
+    /// Stop when the standard error of the pixels, as a root mean square, is under this part of the mean radiance
+    #[arg(long, value_name = "E", value_parser = positive)]
+    pub target_error: Option<f64>,
+    /// Go on from what an earlier run left in the folder
+    #[arg(long)]
+    pub resume: bool,
+    /// Bound the light of near surfaces by gather.min_distance, as VPLs do: not the truth, but what they converge to
+    #[arg(long)]
+    pub min_distance: bool,
+    /// Which frame's camera and lights [default: the last frame's, as in a render]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..1_000_000))]
+    pub frame: Option<u32>,
+    /// Set a key of the config, as in --set frame.seed=2; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    sets: Vec<String>,
+    /// Size of the picture in pixels, as in 960x540
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[u32; 2]>,
+    /// The device to trace on: part of its name, its index in `manylight list`, or cpu
+    #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = device)]
+    pub device: Option<DeviceChoice>,
+    /// Turn on the Vulkan validation layer; any message fails the run
+    #[arg(long)]
+    pub validate: bool,
+    /// Print no progress
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+impl ReferenceArgs {
+    /// Where the results go: `--output`, or a folder in that of a render.
+    pub fn output(&self) -> PathBuf {
+        let name = self.config.file_stem().unwrap_or("config".as_ref());
+        self.output.clone().unwrap_or_else(|| Path::new("out").join(name).join("reference"))
+    }
+
+    /// As [`RenderArgs::overrides`].
+    pub fn overrides(&self) -> Vec<String> {
+        let mut overrides = self.sets.clone();
+        overrides.extend(self.size.map(|[width, height]| format!("frame.size=[{width}, {height}]")));
+        overrides
+    }
+}
+
 #[derive(Debug, Clone, PartialEq, Subcommand)]
 pub enum ExportFormat {
     /// Mitsuba 3: scene.xml, PLY meshes and textures
@@ -134,7 +196,7 @@ pub fn try_parse(arguments: Vec<OsString>) -> Result<Cli, clap::Error> {
 
 /// The short form: a config as the first argument means `render`. A file that is called as a command is given as ./NAME.
 fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
-    let commands = ["render", "export", "doctor", "list", "help"];
+    let commands = ["render", "reference", "export", "doctor", "list", "help"];
     let short = arguments.get(1).is_some_and(|first| {
         let path = Path::new(first);
         let plain = !first.to_string_lossy().starts_with('-') && !commands.iter().any(|command| first == command);
@@ -158,6 +220,10 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     text.split_once(['x', 'X'])
         .and_then(|(width, height)| Some([side(width)?, side(height)?]))
         .ok_or_else(|| "expects WIDTHxHEIGHT, as in 960x540, each 1 to 16384".to_owned())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    text.parse::<f64>().ok().filter(|value| value.is_finite() && *value > 0.0).ok_or_else(|| "expects a number over 0".to_owned())
 }
 
 fn device(text: &str) -> Result<DeviceChoice, String> {
@@ -250,6 +316,11 @@ mod tests {
             "c.toml --unknown",
             "c.toml d.toml",
             "doctor now",
+            "reference",
+            "reference c.toml --spp 0",
+            "reference c.toml --bounces 99",
+            "reference c.toml --time 0",
+            "reference c.toml --target-error nan",
             "export",
             "export mitsuba",
             "export povray c.toml",
@@ -276,6 +347,20 @@ mod tests {
         let all = export("export mitsuba c.toml -o there --set scene.seed=3 --size 64x32 --frame 7");
         assert_eq!((all.output(), all.frame), (Path::new("there").to_owned(), Some(7)));
         assert_eq!(all.overrides(), ["scene.seed=3", "frame.size=[64, 32]"]);
+    }
+
+    #[test]
+    fn a_reference_has_defaults_and_takes_what_changes_them() {
+        let reference = |line: &str| match arguments(line).unwrap().command {
+            Command::Reference(reference) => reference,
+            other => panic!("{other:?}"),
+        };
+        let plain = reference("reference configs/cornell.toml");
+        assert_eq!((plain.spp, plain.bounces, plain.output()), (256, 4, Path::new("out/cornell/reference").to_owned()));
+        assert!(!plain.resume && !plain.min_distance && plain.time.is_none() && plain.target_error.is_none());
+        let all = reference("reference c.toml -o there --spp 16 --bounces 0 --time 1.5 --target-error 0.01 --resume --size 64x32 --frame 3");
+        assert_eq!((all.spp, all.bounces, all.time, all.target_error, all.frame), (16, 0, Some(1.5), Some(0.01), Some(3)));
+        assert_eq!(all.overrides(), ["frame.size=[64, 32]"]);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use crate::config::Config;
 use crate::graph::{Graph, Image};
 use crate::scene::device::DeviceScene;
 use crate::scene::projection::{Projector, View};
+use crate::scene::traced::TracedScene;
 use crate::stages::compose::Composed;
 use crate::stages::gbuffer::GBuffer;
 use crate::stages::{compose, direct, filter, gather, gbuffer, rsm, visibility, vpls};
@@ -30,12 +31,20 @@ pub struct Frame {
 }
 
 /// Many-light global illumination, one slot a line.
-pub fn frame(g: &mut Graph, scene: &DeviceScene, view: &View, lighting: &Lighting, config: &Config) -> Frame {
+pub fn frame(
+    g: &mut Graph,
+    scene: &DeviceScene,
+    traced: Option<&TracedScene>,
+    view: &View,
+    lighting: &Lighting,
+    config: &Config,
+) -> Frame {
     let handles = scene.import(g);
+    let traced = traced.map(|traced| traced.import(g, handles));
     let gbuffer = gbuffer::draw(g, scene, handles, view);
     let rsm = rsm::draw(g, scene, handles, &lighting.projectors, config.rsm.size, config.vpls.count);
     let vpls = vpls::sample(g, &rsm, &gbuffer, &config.vpls);
-    let visibility = visibility::render(g, &vpls, &config.visibility);
+    let visibility = visibility::render(g, traced.as_ref(), &gbuffer, &vpls, config.gather.interleave, &config.visibility);
     let indirect = gather::indirect(g, &gbuffer, &vpls, visibility, &config.gather);
     let irradiance = filter::smooth(g, &gbuffer, indirect, config.gather.interleave, &config.filter);
     let direct = direct::shade(g, scene, &gbuffer, &rsm, config.materials.dielectric, &config.direct);

@@ -1,6 +1,6 @@
 //! Renders a scene under a config, frame by frame: what the commands and the tests share.
 
-use crate::config::{Builtin, Config, SceneConfig, SceneSelector, TimingMode};
+use crate::config::{Builtin, Config, SceneConfig, SceneSelector, TimingMode, VisibilityMethod};
 use crate::fail;
 use crate::frame::{Frame, Lighting, frame};
 use crate::gpu::{Adapter, Feature, Format, Gpu, Options};
@@ -11,7 +11,7 @@ use crate::scene::gltf::{self, SceneChoice};
 use crate::scene::projection::{Projector, View};
 use crate::scene::traced::TracedScene;
 use crate::scene::{Aabb, Light, Scene, view};
-use crate::stages::{METHODS, gather};
+use crate::stages::{METHODS, gather, visibility};
 use anyhow::{Result, bail};
 use glam::Vec3;
 
@@ -30,6 +30,11 @@ pub fn load_scene(config: &SceneConfig) -> Result<(Scene, Vec<String>)> {
         Builtin::Cornell => builtin::cornell(),
     };
     Ok((scene, Vec::new()))
+}
+
+/// Whether frames of a config trace rays, which a renderer must be made for ([`Renderer::traced`]).
+pub fn needs_rays(config: &Config) -> bool {
+    config.visibility.method == VisibilityMethod::RayTraced
 }
 
 /// A scene on a device, and everything that stays from frame to frame.
@@ -203,7 +208,16 @@ impl Renderer {
                 "vpls.count: {count} is out of range, expected {maps} to {texels}: at least one for each shadow map, at most one a texel"
             ));
         }
-        let each = count.div_ceil(u64::from(config.gather.interleave * config.gather.interleave));
+        let each = u64::from(gather::vpls_a_pixel(config.vpls.count, config.gather.interleave));
+        let most = u64::from(limits.image_layers) * u64::from(visibility::BITS);
+        if needs_rays(config) && each > most {
+            return Err(fail!(
+                BadInput,
+                "gather.interleave: {} leaves {each} VPLs to each pixel, over the {most} that \"ray-traced\" visibility keeps on {}; raise it or lower vpls.count",
+                config.gather.interleave,
+                adapter.name
+            ));
+        }
         if each > gather::MOST_VPLS_A_PIXEL {
             return Err(fail!(
                 BadInput,
@@ -272,7 +286,7 @@ impl Renderer {
     fn describe(&self, g: &mut Graph, config: &Config, frame_index: u32) -> Result<(Frame, View)> {
         let view = self.view(config, frame_index)?;
         let lighting = self.lighting(config, frame_index)?;
-        Ok((frame(g, &self.device_scene, &view, &lighting, config), view))
+        Ok((frame(g, &self.device_scene, self.traced.as_ref(), &view, &lighting, config), view))
     }
 
     /// Renders frame `frame_index`; its images are only brought back where `pictured`.

@@ -15,6 +15,10 @@ layout(constant_id = 106) const bool EMISSION = true;
 layout(constant_id = 107) const bool METALS = true;
 layout(constant_id = 108) const bool SINGLE_SIDES = true;
 
+// The reflection cannot evaluate what is made of these constants by an operator: functions hide it from there.
+bool without(bool some) { return !some; }
+bool either(bool one, bool other) { return one || other; }
+
 layout(scalar) readonly buffer Vertices { Vertex at[]; } vertices;
 layout(scalar) readonly buffer Indices { uint at[]; } indices;
 layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
@@ -132,7 +136,7 @@ bool passes(Ray ray, Hit hit, bool from_camera) {
 // The nearest surface from t_min on.
 Hit nearest(Ray ray, float t_min, bool from_camera) {
     Hit hit = traverse(ray, t_min, NO_TRIANGLE, 1e30, false);
-    if (MASKS || (SINGLE_SIDES && from_camera)) {
+    if (either(MASKS, from_camera)) {
         while (hit.triangle != NO_TRIANGLE && passes(ray, hit, from_camera)) hit = traverse(ray, hit.t, hit.triangle, 1e30, false);
     }
     return hit;
@@ -140,9 +144,9 @@ Hit nearest(Ray ray, float t_min, bool from_camera) {
 
 // Whether a surface lies on a ray before t_max.
 bool is_occluded(Ray ray, float t_max) {
-    Hit hit = traverse(ray, 0.0, NO_TRIANGLE, t_max, !MASKS);
+    Hit hit = traverse(ray, 0.0, NO_TRIANGLE, t_max, true);
     if (MASKS) {
-        while (hit.triangle != NO_TRIANGLE && passes(ray, hit, false)) hit = traverse(ray, hit.t, hit.triangle, t_max, false);
+        while (hit.triangle != NO_TRIANGLE && passes(ray, hit, false)) hit = traverse(ray, hit.t, hit.triangle, t_max, true);
     }
     return hit.triangle != NO_TRIANGLE;
 }
@@ -171,7 +175,7 @@ Surface surface_at(Ray ray, Hit hit) {
 
     uint m = corners.material;
     vec2 uv = vec2(0.0);
-    if (BASE_COLOR_MAPS || METALLIC_ROUGHNESS_MAPS || EMISSION_MAPS || NORMAL_MAPS) uv = uv_at(corners, weights);
+    if (either(either(BASE_COLOR_MAPS, METALLIC_ROUGHNESS_MAPS), either(EMISSION_MAPS, NORMAL_MAPS))) uv = uv_at(corners, weights);
     if (NORMAL_MAPS && materials.at[m].normal_texels.size != 0u) {
         vec4 t0 = tangent_inverse(vertices.at[corners.vertex.x].tangent);
         vec3 t = linear * (weights.x * t0.xyz + weights.y * tangent_inverse(vertices.at[corners.vertex.y].tangent).xyz

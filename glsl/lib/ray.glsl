@@ -35,9 +35,10 @@ vec3 hit_triangle(Ray ray, vec3 corner0, vec3 corner1, vec3 corner2) {
     precise float u = pc.x * pb.y - pc.y * pb.x;
     precise float v = pa.x * pc.y - pa.y * pc.x;
     precise float w = pb.x * pa.y - pb.y * pa.x;
-    float sum = u + v + w;
+    precise float sum = u + v + w;
     bool outside = min(u, min(v, w)) < 0.0 && max(u, max(v, w)) > 0.0;
     if (outside || sum == 0.0) return vec3(-1.0);
-    float t = (u * a.z + v * b.z + w * c.z) * ray.shear.z;
-    return vec3(t, v, w) / sum;
+    // A ray that is sent on from a hit must find the same distance to it again, wherever the compiler has put this.
+    precise float t = (u * a.z + v * b.z + w * c.z) * ray.shear.z / sum;
+    return vec3(t, v / sum, w / sum);
 }

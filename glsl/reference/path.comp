@@ -137,7 +137,7 @@ void main() {
     bool met = false;
     for (uint k = 0u; k <= params.bounces + 1u; k++) {
         // The last round only looks for what shines by itself.
-        if (k == params.bounces + 1u && !EMISSION && !ENVIRONMENT) break;
+        if (k == params.bounces + 1u && without(either(EMISSION, ENVIRONMENT))) break;
         Hit hit = nearest(ray, t_min, k == 0u);
         traced += 1u;
         if (hit.triangle == NO_TRIANGLE) {
@@ -194,7 +194,7 @@ void main() {
             }
         }
 
-        if (k == params.bounces && !EMISSION && !ENVIRONMENT) break;
+        if (k == params.bounces && without(either(EMISSION, ENVIRONMENT))) break;
         vec4 next = random(number, params.sample_index, 2u * k + 2u, params.seed);
         vec3 l = sample_brdf(next.xyz, s.metallic, s.roughness, GLOSSY_DIELECTRIC, s.normal, v);
         came_with = density(s, l, v);

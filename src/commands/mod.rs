@@ -3,11 +3,16 @@
 pub mod doctor;
 pub mod export;
 pub mod list;
+mod progress;
+pub mod reference;
 pub mod render;
 
 use crate::cli::{Cli, Command};
 use crate::config::{self, Config};
+use crate::graph::Timing;
 use crate::presets;
+use crate::renderer::{Renderer, timing};
+use crate::report::{Device, Provenance};
 use anyhow::Result;
 use std::path::Path;
 
@@ -15,6 +20,7 @@ use std::path::Path;
 pub fn run(cli: &Cli) -> Result<()> {
     match &cli.command {
         Command::Render(args) => render::run(args),
+        Command::Reference(args) => reference::run(args),
         Command::Export { format } => export::run(format),
         Command::Doctor => doctor::run(),
         Command::List => list::run(),
@@ -26,5 +32,29 @@ fn load_config(path: &Path, overrides: &[String]) -> Result<Config> {
     match path.to_str().and_then(presets::find) {
         Some(text) if !path.exists() => config::parse(text, &path.with_extension("toml"), overrides),
         _ => config::load(path, overrides),
+    }
+}
+
+/// Where the figures of a run come from.
+fn provenance(path: &Path, config: &Config, renderer: &Renderer) -> Provenance {
+    let adapter = &renderer.gpu().adapter;
+    let (driver, version) = adapter.driver.split_once(' ').unwrap_or((adapter.driver.as_str(), ""));
+    let mode = match timing(config, adapter) {
+        Timing::Isolated => "isolated",
+        Timing::Overlapped => "overlapped",
+        Timing::Serial => "serial",
+    };
+    Provenance {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        preset: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        device: Device {
+            name: adapter.name.clone(),
+            kind: adapter.kind().to_owned(),
+            driver: driver.to_owned(),
+            driver_version: version.to_owned(),
+        },
+        timing_mode: mode.to_owned(),
+        width: config.frame.size[0],
+        height: config.frame.size[1],
     }
 }

@@ -1,19 +1,19 @@
 //! `manylight render CONFIG`: pictures, layers, times, and a record of how they came about.
 
-use super::load_config;
+use super::progress::Progress;
+use super::{load_config, provenance};
 use crate::cli::RenderArgs;
-use crate::config::{Config, Layer as LayerName};
+use crate::config::Layer as LayerName;
 use crate::fail;
 use crate::gpu::{Gpu, Options};
 use crate::graph::{Dump, DumpData, Execution};
 use crate::output::exr::Precision;
 use crate::output::{Layer, RunReport, prepare_folder, write_exr, write_file, write_png};
-use crate::renderer::{Picture, Plane, Renderer, load_scene, timing};
-use crate::report::{Device, PassTime, Provenance, Timings, peak_memory_bytes, timing_table, timings_csv};
+use crate::renderer::{Picture, Plane, Renderer, load_scene, needs_rays, timing};
+use crate::report::{PassTime, Timings, peak_memory_bytes, timing_table, timings_csv};
 use anyhow::{Context, Result};
-use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Renders and writes everything; prints where it is and how long each stage took.
 pub fn run(args: &RenderArgs) -> Result<()> {
@@ -28,7 +28,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let (scene, gpu) = rayon::join(|| load_scene(&config.scene), || Gpu::new(&options));
     let (gpu, (scene, mut warnings)) = (gpu?, scene?);
     progress.say("bringing the scene to the device");
-    let mut renderer = Renderer::new(gpu, scene)?;
+    let mut renderer = if needs_rays(&config) { Renderer::traced(gpu, scene)? } else { Renderer::new(gpu, scene)? };
     renderer.check(&config)?;
     warnings.extend(renderer.warnings(&config));
     warnings.iter().for_each(|warning| progress.warn(warning));
@@ -58,7 +58,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let Some(picture) = &rendered.picture else { unreachable!("the last frame is brought back") };
 
     progress.say("writing");
-    let from = provenance(args, &config, &renderer);
+    let from = provenance(&args.config, &config, &renderer);
     write_png(&folder.join("image.png"), picture.size[0], picture.size[1], &picture.image)?;
     let metadata = [("version", from.version.clone()), ("preset", from.preset.clone()), ("device", from.device.name.clone())];
     write_exr(&folder.join("image.exr"), picture.size[0], picture.size[1], layers(picture, &config.output.layers), &metadata)?;
@@ -108,29 +108,6 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     Ok(())
 }
 
-fn provenance(args: &RenderArgs, config: &Config, renderer: &Renderer) -> Provenance {
-    let adapter = &renderer.gpu().adapter;
-    let (driver, version) = adapter.driver.split_once(' ').unwrap_or((adapter.driver.as_str(), ""));
-    let mode = match timing(config, adapter) {
-        crate::graph::Timing::Isolated => "isolated",
-        crate::graph::Timing::Overlapped => "overlapped",
-        crate::graph::Timing::Serial => "serial",
-    };
-    Provenance {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        preset: args.config.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-        device: Device {
-            name: adapter.name.clone(),
-            kind: adapter.kind().to_owned(),
-            driver: driver.to_owned(),
-            driver_version: version.to_owned(),
-        },
-        timing_mode: mode.to_owned(),
-        width: config.frame.size[0],
-        height: config.frame.size[1],
-    }
-}
-
 /// The EXR's layers: the picture's radiance without a name, and those that the config asks for.
 fn layers(picture: &Picture, wanted: &[LayerName]) -> Vec<Layer> {
     let color = |name: &str, plane: &Plane| Layer::interleaved(name, "RGB", plane.channels, &plane.values, Precision::Half);
@@ -177,37 +154,4 @@ fn write_dump(folder: &Path, dump: &Dump) -> Result<String> {
         }
     };
     Ok(path.display().to_string())
-}
-
-/// A line on stderr that says what is going on; nothing where stderr is no terminal or the user wants quiet.
-struct Progress(ProgressBar);
-
-impl Progress {
-    fn new(quiet: bool) -> Self {
-        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
-        bar.enable_steady_tick(Duration::from_millis(200));
-        Self(bar)
-    }
-
-    fn say(&self, what: &str) {
-        self.0.set_message(what.to_owned());
-    }
-
-    fn warn(&self, what: &str) {
-        self.0.suspend(|| eprintln!("manylight: warning: {what}"));
-    }
-
-    fn frame(&self, frame: u32, count: u32) {
-        if frame == 0
-            && let Ok(style) = ProgressStyle::with_template("{spinner} frame {pos}/{len} [{bar:40}] {eta}")
-        {
-            self.0.set_length(u64::from(count));
-            self.0.set_style(style);
-        }
-        self.0.set_position(u64::from(frame));
-    }
-
-    fn end(&self) {
-        self.0.finish_and_clear();
-    }
 }

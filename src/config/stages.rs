@@ -117,6 +117,8 @@ pub enum VisibilityMethod {
     /// Everything: indirect light has no shadows.
     #[default]
     None,
+    /// What a ray reaches: exact.
+    RayTraced,
 }
 
 /// `[gather]`: how the virtual point lights' light is summed at the pixels.

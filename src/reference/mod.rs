@@ -4,13 +4,15 @@
 //! and n alone, so that the same seed gives the same bytes however the work was cut up, stopped and resumed. Direct light is
 //! what the first surface reflects of what shines by itself; bounce k is what it reflects after k more surfaces.
 
+mod files;
 mod sums;
 
+pub use files::{develop, load_sums, save_sums};
 pub use sums::{Layer, Sums};
 
 use crate::config::{Config, Dielectric};
 use crate::fail;
-use crate::gpu::{Feature, Format, ImageId};
+use crate::gpu::{Format, ImageId};
 use crate::graph::{Execution, Graph};
 use crate::renderer::Renderer;
 use crate::scene::Light;
@@ -241,9 +243,6 @@ impl Tracer {
         renderer.engine().gpu.free_image(self.sums);
     }
 }
-
-/// What a method of the path tracer needs of a device.
-pub const NEEDS: &[Feature] = &[];
 
 /// What the middles of the pixels show, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]

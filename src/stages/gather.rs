@@ -21,20 +21,31 @@ pub const MOST_VPLS_A_PIXEL: u64 = 100_000;
 
 /// Fills the slot with the config's method; the image holds indirect irradiance, W/m^2.
 pub fn indirect(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibility, config: &GatherConfig) -> Image {
-    match (config.method, visibility) {
-        (GatherMethod::PerPixel, Visibility::None) => per_pixel(g, gbuffer, vpls, config),
+    match config.method {
+        GatherMethod::PerPixel => per_pixel(g, gbuffer, vpls, visibility, config),
     }
 }
 
+/// VPLs that each pixel sums, at most.
+pub fn vpls_a_pixel(count: u32, interleave: u32) -> u32 {
+    count.div_ceil(interleave * interleave)
+}
+
+/// Workgroups of one sample set each that cover the picture; one shades 8 x 4 times `pixels` pixels of its set.
+pub(super) fn groups_of_sets(size: [u32; 2], interleave: u32, pixels: [u32; 2]) -> [u32; 2] {
+    [0, 1].map(|axis| size[axis].div_ceil([8, 4][axis] * pixels[axis] * interleave) * interleave)
+}
+
 /// Every pixel takes one of every `interleave^2` VPLs (Linke 2016, section 4.5).
-fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, config: &GatherConfig) -> Image {
-    /// Pixels of one sample set that a workgroup shades: 8 x 4 invocations of 2 x 2 each.
-    const GROUP: [u32; 2] = [16, 8];
+fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibility, config: &GatherConfig) -> Image {
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
     let n = config.interleave;
-    let groups = [0, 1].map(|axis| gbuffer.size[axis].div_ceil(GROUP[axis] * n) * n);
-    g.compute("gather/per-pixel")
-        .reads("view", gbuffer.view)
+    let groups = groups_of_sets(gbuffer.size, n, [2, 2]);
+    let pass = match visibility {
+        Visibility::None => g.compute("gather/per-pixel"),
+        Visibility::Bits(visible) => g.compute("gather/per-pixel-visible").reads("visible", visible),
+    };
+    pass.reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
         .reads("normal", gbuffer.normal)
         .reads("points", vpls.points)

@@ -30,6 +30,7 @@ pub const METHODS: &[Method] = {
         method("rsm", "draw", &[MultiDrawIndirect, ShaderDrawParameters, LayerFromVertexShader, Snorm16Attachment]),
         method("vpls.sampler", "regular", &[]),
         method("visibility.method", "none", &[]),
+        method("visibility.method", "ray-traced", &[]),
         method("gather.method", "per-pixel", &[SubgroupBallot]),
         method("filter.kind", "bilateral", &[]),
         method("filter.kind", "none", &[]),
@@ -37,5 +38,6 @@ pub const METHODS: &[Method] = {
         method("direct.shadows", "percentage-closer", &[]),
         method("direct.shadows", "none", &[]),
         method("compose", "sum", &[]),
+        method("reference", "path", &[]),
     ]
 };

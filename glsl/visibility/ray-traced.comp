@@ -1,0 +1,51 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Shadow rays between pixels and virtual point lights: an invocation traces those of one pixel and 32 VPLs. Pixels share the VPLs
+// out as in glsl/gather/per-pixel.glsl.
+#include "bvh/surface.glsl"
+#include "lib/view.glsl"
+#include "lib/vpl.glsl"
+
+layout(local_size_x = 8, local_size_y = 4) in;
+layout(constant_id = 0) const uint INTERLEAVE = 1;
+
+layout(scalar, push_constant) uniform Params {
+    uint count; // VPLs
+} params;
+
+layout(scalar) uniform ViewBlock { View it; } view;
+uniform sampler2D depth;
+uniform sampler2D normal;
+layout(scalar) readonly buffer Points { VplPoint at[]; } points;
+layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
+layout(r32ui) writeonly uniform uimage2DArray visible;
+
+// Off a surface whose place comes from a depth map: beyond what such places are off by.
+vec3 lifted(vec3 position, vec3 n) { return off_surface(position + n * (2e-6 * view.it.diagonal), n); }
+
+void main() {
+    uvec2 set = gl_WorkGroupID.xy % INTERLEAVE;
+    uvec2 block = gl_WorkGroupID.xy / INTERLEAVE * gl_WorkGroupSize.xy * INTERLEAVE;
+    ivec2 pixel = ivec2(block + gl_LocalInvocationID.xy * INTERLEAVE + set);
+    if (any(greaterThanEqual(uvec2(pixel), uvec2(view.it.width, view.it.height)))) return;
+    float z = texelFetch(depth, pixel, 0).r;
+    uint bits = 0u;
+    if (z > 0.0) {
+        vec3 x = view_position(view.it, pixel, z);
+        vec3 n = octahedral_inverse(texelFetch(normal, pixel, 0).xy);
+        vec3 from = lifted(x, n);
+        for (uint i = 0u; i < 32u; i++) {
+            uint index = (gl_WorkGroupID.z * 32u + i) * INTERLEAVE * INTERLEAVE + set.y * INTERLEAVE + set.x;
+            if (index >= params.count) break;
+            VplPoint vpl = points.at[index];
+            vec3 facing = octahedral_snorm16_inverse(vpl.normal);
+            vec3 way = vpl.position - x;
+            // Only where some light would arrive.
+            if (dot(n, way) > 0.0 && dot(facing, way) < 0.0 && any(greaterThan(intensities.at[index], vec3(0.0)))) {
+                bits |= is_occluded(make_ray(from, lifted(vpl.position, facing) - from), 1.0) ? 0u : 1u << i;
+            }
+        }
+    }
+    imageStore(visible, ivec3(pixel, gl_WorkGroupID.z), uvec4(bits));
+}

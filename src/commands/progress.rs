@@ -1,0 +1,49 @@
+//! What a long run says of itself while it is at it.
+
+use indicatif::{ProgressBar, ProgressStyle};
+use std::time::Duration;
+
+/// A line on stderr that says what is going on; nothing where stderr is no terminal or the user wants quiet.
+pub struct Progress(ProgressBar);
+
+impl Progress {
+    pub fn new(quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self(bar)
+    }
+
+    pub fn say(&self, what: &str) {
+        self.0.set_message(what.to_owned());
+    }
+
+    pub fn warn(&self, what: &str) {
+        self.0.suspend(|| eprintln!("manylight: warning: {what}"));
+    }
+
+    pub fn frame(&self, frame: u32, count: u32) {
+        if frame == 0
+            && let Ok(style) = ProgressStyle::with_template("{spinner} frame {pos}/{len} [{bar:40}] {eta}")
+        {
+            self.0.set_length(u64::from(count));
+            self.0.set_style(style);
+        }
+        self.0.set_position(u64::from(frame));
+    }
+
+    /// Samples of a path tracer: how many of how many, how fast, and how long it will take.
+    pub fn samples(&self, done: u64, of: u64, rays_a_second: f64) {
+        if self.0.length() != Some(of)
+            && let Ok(style) = ProgressStyle::with_template("{spinner} sample {pos}/{len} [{bar:30}] {msg}, {eta} left")
+        {
+            self.0.set_length(of);
+            self.0.set_style(style);
+        }
+        self.0.set_position(done);
+        self.0.set_message(format!("{:.2} million rays/s", rays_a_second / 1e6));
+    }
+
+    pub fn end(&self) {
+        self.0.finish_and_clear();
+    }
+}

@@ -1,0 +1,72 @@
+//! The path tracer's sums as a file, and its picture.
+
+use super::{Layer, Sums};
+use crate::config::{ComposeConfig, Tonemap};
+use crate::fail;
+use crate::output::exr::Precision;
+use crate::output::{Layer as ExrLayer, read_exr, write_exr};
+use anyhow::Result;
+use glam::Vec3;
+use std::path::Path;
+
+/// Keeps sums with what they are of; whole numbers of bits, so that going on from them is as if nothing had been between.
+pub fn save_sums(path: &Path, identity: &str, sums: &Sums) -> Result<()> {
+    let layer = |(name, layer): (String, Layer)| ExrLayer::interleaved(&name, "RGBA", 4, sums.layer(layer).as_flattened(), Precision::Float);
+    let layers = Layer::all(sums.bounces).into_iter().map(layer).collect();
+    let metadata = [("identity", identity.to_owned()), ("samples", sums.samples.to_string()), ("bounces", sums.bounces.to_string())];
+    write_exr(path, sums.size[0], sums.size[1], layers, &metadata)
+}
+
+/// Sums that [`save_sums`] kept.
+///
+/// Fails with `BadInput` where there are none, or they are of something else than `identity`, `size` and `bounces` say.
+pub fn load_sums(path: &Path, identity: &str, size: [u32; 2], bounces: u32) -> Result<Sums> {
+    let name = path.display();
+    if !path.exists() {
+        return Err(fail!(BadInput, "--resume: {name} is not there; leave --resume out to begin anew"));
+    }
+    let image = read_exr(path)?;
+    let comment = |key: &str| image.comments.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(": ").map(str::to_owned));
+    let number = |key: &str| comment(key).and_then(|text| text.parse::<u32>().ok());
+    let (Some(of), Some(samples), Some(has)) = (comment("identity"), number("samples"), number("bounces")) else {
+        return Err(fail!(BadInput, "--resume: {name} was not written by `manylight reference`"));
+    };
+    if has != bounces {
+        return Err(fail!(BadInput, "--resume: {name} has {has} bounces, not {bounces}; give --bounces {has}, or leave --resume out to begin anew"));
+    }
+    if of != identity || [image.width, image.height] != size {
+        return Err(fail!(
+            BadInput,
+            "--resume: {name} is of another config, scene or seed; choose its own, or leave --resume out to begin anew"
+        ));
+    }
+    let mut sums = Sums::new(size, bounces);
+    sums.samples = samples;
+    let pixels = sums.pixels();
+    for (i, (layer, _)) in Layer::all(bounces).into_iter().enumerate() {
+        for (k, channel) in "RGBA".chars().enumerate() {
+            let Some(values) = image.channels.get(&format!("{layer}.{channel}")) else {
+                return Err(fail!(BadInput, "--resume: {name} lacks {layer}.{channel}; it is damaged: leave --resume out to begin anew"));
+            };
+            for (texel, value) in sums.texels[i * pixels..][..pixels].iter_mut().zip(values) {
+                texel[k] = *value;
+            }
+        }
+    }
+    Ok(sums)
+}
+
+/// The picture of the sums as `compose/sum` makes it: exposed, tone-mapped, sRGB-encoded RGBA bytes.
+pub fn develop(sums: &Sums, config: &ComposeConfig) -> Vec<u8> {
+    let pixel = |texel: [f32; 4]| {
+        let empty = 1.0 - texel[3].clamp(0.0, 1.0);
+        let mut shown = Vec3::new(texel[0], texel[1], texel[2]) * config.exposure + empty * Vec3::from(config.background);
+        if config.tonemap == Tonemap::Reinhard {
+            shown /= 1.0 + shown.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+        }
+        let encode = |c: f32| if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+        let [r, g, b] = shown.clamp(Vec3::ZERO, Vec3::ONE).to_array().map(|c| (encode(c) * 255.0).round() as u8);
+        [r, g, b, 255]
+    };
+    sums.mean(Layer::Radiance).into_iter().flat_map(pixel).collect()
+}
