@@ -9,6 +9,7 @@ pub mod error;
 pub mod frame;
 pub mod gpu;
 pub mod graph;
+pub mod metrics;
 pub mod output;
 pub mod presets;
 pub mod renderer;
