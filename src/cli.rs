@@ -1,5 +1,9 @@
 //! The command line, parsed and nothing else.
 
+mod compare;
+
+pub use compare::{CompareArgs, LayerChoice};
+
 use crate::config::{TimingMode, choices};
 use crate::gpu::DeviceChoice;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -20,6 +24,8 @@ pub struct Cli {
 pub enum Command {
     /// Render a config: a picture, its EXR layers and the time of every pass
     Render(RenderArgs),
+    /// Say how far pictures are from their references
+    Compare(CompareArgs),
     /// Say which devices there are, what runs on them, and what is missing for the rest
     Doctor,
     /// List devices, stages, methods and presets
@@ -90,7 +96,7 @@ pub fn try_parse(arguments: Vec<OsString>) -> Result<Cli, clap::Error> {
 
 /// The short form: a config as the first argument means `render`. A file that is called as a command is given as ./NAME.
 fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
-    let commands = ["render", "doctor", "list", "help"];
+    let commands = ["render", "compare", "doctor", "list", "help"];
     let short = arguments.get(1).is_some_and(|first| {
         let path = Path::new(first);
         let plain = !first.to_string_lossy().starts_with('-') && !commands.iter().any(|command| first == command);
@@ -206,6 +212,14 @@ mod tests {
             "c.toml --unknown",
             "c.toml d.toml",
             "doctor now",
+            "compare a",
+            "compare a b c",
+            "compare a b --layer direct+",
+            "compare a b --layer =direct",
+            "compare a b --layer a=b=c",
+            "compare a b --max-rmse -1",
+            "compare a b --max-rmse nan",
+            "compare a b --max-flip much",
         ];
         for line in mistakes {
             assert_eq!(arguments(line).expect_err(line).exit_code(), 2, "{line}");
