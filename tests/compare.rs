@@ -117,7 +117,7 @@ fn a_figure_over_its_threshold_ends_with_1_after_everything_is_said() {
     }
     // In JSON too, where what is over stands beside the figures.
     let output = place.compare(&["test.exr", "reference.exr", "--json", "--max-rmse", "0.01", "--max-worst", "0.01"]);
-    let json: Value = serde_json::from_str(&failed(&output, 1, &["rmse", "and 1 more"])).unwrap();
+    let json: Value = serde_json::from_str(&failed(&output, 1, &["rmse", "; 1 more over theirs"])).unwrap();
     assert_eq!((&json["over"][0]["measure"], &json["over"][1]["measure"]), (&"rmse".into(), &"worst".into()));
     assert_eq!((&json["over"][0]["figure"], &json["over"][0]["threshold"]), (&figures["rmse"], &0.01.into()));
 }

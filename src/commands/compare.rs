@@ -2,7 +2,7 @@
 
 use crate::cli::{CompareArgs, LayerChoice};
 use crate::fail;
-use crate::metrics::{self, Comparison, ImageFile, Measures, heatmap};
+use crate::metrics::{self, Comparison, Image, ImageFile, Measures, heatmap};
 use crate::output::{prepare_folder, write_png};
 use anyhow::{Context, Result};
 use serde::Serialize;
@@ -17,10 +17,10 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let several = frames.len() * layers.len() > 1;
     let mut results = Vec::new();
     for frame in &frames {
-        let (test, reference) = (ImageFile::open(&frame.test)?, ImageFile::open(&frame.reference)?);
-        for choice in &layers {
-            let (test, reference) = (test.layer(&choice.test)?, reference.layer(&choice.reference)?);
-            let Comparison { measures, map } = metrics::compare(&test, &reference).with_context(|| frame.both(choice))?;
+        let tests = images(&frame.test, layers.iter().map(|choice| choice.test.as_slice()))?;
+        let references = images(&frame.reference, layers.iter().map(|choice| choice.reference.as_slice()))?;
+        for ((choice, test), reference) in layers.iter().zip(&tests).zip(&references) {
+            let Comparison { measures, map } = metrics::compare(test, reference).with_context(|| frame.both(choice))?;
             let result = Line { frame: &frame.name, layer: label(choice), measures };
             check_thresholds(args, &result)?;
             if !args.json {
@@ -46,8 +46,14 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     match over.as_slice() {
         [] => Ok(()),
         [first] => Err(fail!(ComparisonFailed, "{first}")),
-        [first, others @ ..] => Err(fail!(ComparisonFailed, "{first}, and {} more are over theirs", others.len())),
+        [first, others @ ..] => Err(fail!(ComparisonFailed, "{first}; {} more over theirs", others.len())),
     }
+}
+
+/// The layers of a file, whose other channels do not stay in memory.
+fn images<'n>(path: &Path, layers: impl Iterator<Item = &'n [String]>) -> Result<Vec<Image>> {
+    let file = ImageFile::open(path)?;
+    layers.map(|names| file.layer(names)).collect()
 }
 
 /// A file and its reference.
@@ -83,7 +89,7 @@ fn frames(test: &Path, reference: &Path) -> Result<Vec<Frame>> {
             return Err(fail!(BadInput, "{folder}: is a folder without {RENDERED}, which cannot be compared with the file {file}"));
         }
     }
-    let (names, references) = (images(&test)?, images(&reference)?);
+    let (names, references) = (image_names(&test)?, image_names(&reference)?);
     for (folder, missing) in [(&reference, names.difference(&references)), (&test, references.difference(&names))] {
         if let Some(missing) = missing.into_iter().next() {
             return Err(fail!(BadInput, "{}: is missing, which the other folder has", folder.join(missing).display()));
@@ -96,7 +102,7 @@ fn frames(test: &Path, reference: &Path) -> Result<Vec<Frame>> {
 }
 
 /// The names of a folder's images in their order.
-fn images(folder: &Path) -> Result<BTreeSet<PathBuf>> {
+fn image_names(folder: &Path) -> Result<BTreeSet<PathBuf>> {
     let cannot = |error: std::io::Error| fail!(BadInput, "{}: cannot be read ({error})", folder.display());
     let mut names = BTreeSet::new();
     for entry in std::fs::read_dir(folder).map_err(cannot)? {

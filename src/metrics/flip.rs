@@ -74,8 +74,8 @@ fn tone_map(light: f64) -> f64 {
     x * (a * x + b) / (x * (c * x + d) + e)
 }
 
-/// HDR-FLIP, a pixel's largest FLIP over the exposures. Pictures are shown in 8 bits: what stays within one step of them at
-/// every exposure is not seen.
+/// HDR-FLIP, a pixel's largest FLIP over the exposures. The crate sees pictures of 8 bits, where the authors' program does not
+/// round: what stays within a step of them at every exposure is not seen, and means lie up to about 0.001 beside theirs.
 pub(super) fn hdr(test: &Image, reference: &Image, exposures: Exposures) -> Vec<f32> {
     let factors: Vec<f64> = exposures.factors().collect();
     maximum(test, reference, |factor, value| linear_to_srgb8(tone_map(f64::from(value) * factor)), &factors)
