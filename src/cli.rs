@@ -1,5 +1,9 @@
 //! The command line, parsed and nothing else.
 
+mod compare;
+
+pub use compare::{CompareArgs, LayerChoice};
+
 use crate::config::{TimingMode, choices};
 use crate::gpu::DeviceChoice;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -27,6 +31,8 @@ pub enum Command {
         #[command(subcommand)]
         format: ExportFormat,
     },
+    /// Say how far pictures are from their references
+    Compare(CompareArgs),
     /// Say which devices there are, what runs on them, and what is missing for the rest
     Doctor,
     /// List devices, stages, methods and presets
@@ -196,7 +202,7 @@ pub fn try_parse(arguments: Vec<OsString>) -> Result<Cli, clap::Error> {
 
 /// The short form: a config as the first argument means `render`. A file that is called as a command is given as ./NAME.
 fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
-    let commands = ["render", "reference", "export", "doctor", "list", "help"];
+    let commands = ["render", "reference", "compare", "export", "doctor", "list", "help"];
     let short = arguments.get(1).is_some_and(|first| {
         let path = Path::new(first);
         let plain = !first.to_string_lossy().starts_with('-') && !commands.iter().any(|command| first == command);
@@ -325,6 +331,14 @@ mod tests {
             "export mitsuba",
             "export povray c.toml",
             "export mitsuba c.toml --frame -1",
+            "compare a",
+            "compare a b c",
+            "compare a b --layer direct+",
+            "compare a b --layer =direct",
+            "compare a b --layer a=b=c",
+            "compare a b --max-rmse -1",
+            "compare a b --max-rmse nan",
+            "compare a b --max-flip much",
         ];
         for line in mistakes {
             assert_eq!(arguments(line).expect_err(line).exit_code(), 2, "{line}");
@@ -358,7 +372,8 @@ mod tests {
         let plain = reference("reference configs/cornell.toml");
         assert_eq!((plain.spp, plain.bounces, plain.output()), (256, 4, Path::new("out/cornell/reference").to_owned()));
         assert!(!plain.resume && !plain.min_distance && plain.time.is_none() && plain.target_error.is_none());
-        let all = reference("reference c.toml -o there --spp 16 --bounces 0 --time 1.5 --target-error 0.01 --resume --size 64x32 --frame 3");
+        let all =
+            reference("reference c.toml -o there --spp 16 --bounces 0 --time 1.5 --target-error 0.01 --resume --size 64x32 --frame 3");
         assert_eq!((all.spp, all.bounces, all.time, all.target_error, all.frame), (16, 0, Some(1.5), Some(0.01), Some(3)));
         assert_eq!(all.overrides(), ["frame.size=[64, 32]"]);
     }

@@ -31,14 +31,7 @@ pub struct Frame {
 }
 
 /// Many-light global illumination, one slot a line.
-pub fn frame(
-    g: &mut Graph,
-    scene: &DeviceScene,
-    traced: Option<&TracedScene>,
-    view: &View,
-    lighting: &Lighting,
-    config: &Config,
-) -> Frame {
+pub fn frame(g: &mut Graph, scene: &DeviceScene, traced: Option<&TracedScene>, view: &View, lighting: &Lighting, config: &Config) -> Frame {
     let handles = scene.import(g);
     let traced = traced.map(|traced| traced.import(g, handles));
     let gbuffer = gbuffer::draw(g, scene, handles, view);

@@ -10,6 +10,7 @@ pub mod export;
 pub mod frame;
 pub mod gpu;
 pub mod graph;
+pub mod metrics;
 pub mod output;
 pub mod presets;
 pub mod reference;

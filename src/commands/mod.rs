@@ -1,5 +1,6 @@
 //! The program's commands, a file each. Results go to stdout, progress and warnings to stderr.
 
+pub mod compare;
 pub mod doctor;
 pub mod export;
 pub mod list;
@@ -22,6 +23,7 @@ pub fn run(cli: &Cli) -> Result<()> {
         Command::Render(args) => render::run(args),
         Command::Reference(args) => reference::run(args),
         Command::Export { format } => export::run(format),
+        Command::Compare(args) => compare::run(args),
         Command::Doctor => doctor::run(),
         Command::List => list::run(),
     }

@@ -11,6 +11,7 @@ mod scene;
 mod stages;
 mod tree;
 
+pub use check::nearest;
 pub use keys::{KeyInfo, Kind, Range, choices, keys, markdown_table};
 pub use load::{load, parse, to_toml};
 pub use scene::{Builtin, CameraConfig, CameraKeyframe, Interpolation, LightConfig, LightKeyframe, SceneConfig, SceneSelector};

@@ -1,7 +1,9 @@
 //! PNG images: what is shown, after tone mapping, as sRGB bytes.
 
 use super::file::write_file;
+use crate::fail;
 use anyhow::{Context, Result};
+use std::io::Cursor;
 use std::path::Path;
 
 /// Writes an sRGB image of 8 bits a channel, first row on top: `width * height` pixels of one (grey), three (RGB) or four (RGBA)
@@ -33,10 +35,62 @@ fn encode(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>, png::Encodi
     Ok(bytes)
 }
 
+/// Images of more pixels are not read.
+const MAX_PIXELS: u64 = 16_384 * 16_384;
+
+/// An image as it was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Png {
+    pub width: u32,
+    pub height: u32,
+    /// Red, green and blue of every pixel, row by row from the top, as the file encodes them: from 0 to 1.
+    pub values: Vec<f32>,
+}
+
+/// Reads an opaque image of any depth; grey becomes a colour. What a file says of its own colour space is not applied.
+///
+/// # Errors
+/// `BadInput` with the path and what is wrong with the file, which may be a pixel that is not opaque: it has no one colour.
+pub fn read_png(path: &Path) -> Result<Png> {
+    let name = path.display();
+    let bytes = std::fs::read(path).map_err(|error| fail!(BadInput, "{name}: cannot be read ({error})"))?;
+    let refuse = |error: png::DecodingError| fail!(BadInput, "{name}: is not a PNG image that can be read ({error})");
+    let mut decoder = png::Decoder::new(Cursor::new(&bytes));
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let mut reader = decoder.read_info().map_err(refuse)?;
+    let (width, height) = reader.info().size();
+    let size = reader.output_buffer_size().filter(|_| u64::from(width) * u64::from(height) <= MAX_PIXELS);
+    let size = size.ok_or_else(|| fail!(BadInput, "{name}: is too large ({width} x {height} pixels)"))?;
+    let mut decoded = vec![0; size];
+    let info = reader.next_frame(&mut decoded).map_err(refuse)?;
+    let bytes_each = if info.bit_depth == png::BitDepth::Sixteen { 2 } else { 1 };
+    let (stride, color) = match info.color_type {
+        png::ColorType::Grayscale => (1, [0; 3]),
+        png::ColorType::GrayscaleAlpha => (2, [0; 3]),
+        png::ColorType::Rgb => (3, [0, 1, 2]),
+        png::ColorType::Rgba => (4, [0, 1, 2]),
+        png::ColorType::Indexed => unreachable!("{name}: the decoder expands palettes"),
+    };
+    let pixels = decoded[..info.buffer_size()].chunks_exact(stride * bytes_each);
+    let opaque = |pixel: &[u8]| stride % 2 == 1 || pixel[(stride - 1) * bytes_each..].iter().all(|&byte| byte == u8::MAX);
+    if let Some(at) = pixels.clone().position(|pixel| !opaque(pixel)) {
+        let (x, y) = (at % width as usize, at / width as usize);
+        return Err(fail!(BadInput, "{name}: the pixel ({x}, {y}) is not opaque, so that its colour is unknown"));
+    }
+    let value = |pixel: &[u8], channel: usize| match pixel[channel * bytes_each..][..bytes_each] {
+        [high, low] => f32::from(u16::from_be_bytes([high, low])) / 65_535.0,
+        [byte, ..] => f32::from(byte) / 255.0,
+        [] => unreachable!("a channel has a byte"),
+    };
+    let mut values = Vec::with_capacity(width as usize * height as usize * 3);
+    values.extend(pixels.flat_map(|pixel| color.map(|channel| value(pixel, channel))));
+    Ok(Png { width, height, values })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Cursor;
+    use crate::error::{Exit, exit_code};
 
     #[test]
     fn grey_rgb_and_rgba_come_back_as_they_went() {
@@ -53,5 +107,61 @@ mod tests {
             assert_eq!(read, pixels);
             assert_eq!(encode(13, 7, &pixels).unwrap(), bytes);
         }
+    }
+
+    /// A row of two pixels; a palette is grey.
+    fn write_as(path: &Path, color: png::ColorType, depth: png::BitDepth, data: &[u8]) {
+        let mut encoder = png::Encoder::new(std::fs::File::create(path).unwrap(), 2, 1);
+        encoder.set_color(color);
+        encoder.set_depth(depth);
+        if color == png::ColorType::Indexed {
+            encoder.set_palette(&[51, 51, 51, 255, 255, 255][..]);
+        }
+        encoder.write_header().unwrap().write_image_data(data).unwrap();
+    }
+
+    #[test]
+    fn every_kind_of_opaque_image_is_read_as_the_same_colours() {
+        use png::{BitDepth, ColorType};
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("image.png");
+        let gray = [0.2, 0.2, 0.2, 1.0, 1.0, 1.0];
+        let cases: [(ColorType, BitDepth, &[u8]); 7] = [
+            (ColorType::Grayscale, BitDepth::Eight, &[51, 255]),
+            (ColorType::GrayscaleAlpha, BitDepth::Eight, &[51, 255, 255, 255]),
+            (ColorType::Rgb, BitDepth::Eight, &[51, 51, 51, 255, 255, 255]),
+            (ColorType::Rgba, BitDepth::Eight, &[51, 51, 51, 255, 255, 255, 255, 255]),
+            (ColorType::Grayscale, BitDepth::Sixteen, &[0x33, 0x33, 255, 255]),
+            (ColorType::Grayscale, BitDepth::Four, &[0x3f]),
+            (ColorType::Indexed, BitDepth::One, &[0b0100_0000]),
+        ];
+        for (color, depth, data) in cases {
+            write_as(&path, color, depth, data);
+            assert_eq!(read_png(&path).unwrap(), Png { width: 2, height: 1, values: gray.to_vec() }, "{color:?} {depth:?}");
+        }
+        write_as(&path, ColorType::Rgb, BitDepth::Sixteen, &[0, 0, 128, 0, 255, 255, 0, 1, 0, 2, 0, 3]);
+        let expected = [0, 0x8000, 0xffff, 1, 2, 3].map(|value: u16| f32::from(value) / 65_535.0);
+        assert_eq!(read_png(&path).unwrap().values, expected);
+    }
+
+    #[test]
+    fn what_is_no_opaque_image_is_refused_with_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("image.png");
+        let refused = || {
+            let error = read_png(&path).unwrap_err();
+            assert_eq!(exit_code(&error), Exit::BadInput);
+            let message = error.to_string();
+            assert!(message.contains("image.png: "), "{message}");
+            message
+        };
+        assert!(refused().contains("cannot be read"));
+        let good = encode(13, 7, &[100; 13 * 7 * 3]).unwrap();
+        for bytes in [&b""[..], b"no image", &good[..40], &good[..good.len() / 2]] {
+            std::fs::write(&path, bytes).unwrap();
+            assert!(refused().contains("is not a PNG image that can be read"));
+        }
+        write_png(&path, 2, 1, &[1, 2, 3, 255, 1, 2, 3, 254]).unwrap();
+        assert!(refused().ends_with("the pixel (1, 0) is not opaque, so that its colour is unknown"));
     }
 }

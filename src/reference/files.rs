@@ -11,7 +11,8 @@ use std::path::Path;
 
 /// Keeps sums with what they are of; whole numbers of bits, so that going on from them is as if nothing had been between.
 pub fn save_sums(path: &Path, identity: &str, sums: &Sums) -> Result<()> {
-    let layer = |(name, layer): (String, Layer)| ExrLayer::interleaved(&name, "RGBA", 4, sums.layer(layer).as_flattened(), Precision::Float);
+    let layer =
+        |(name, layer): (String, Layer)| ExrLayer::interleaved(&name, "RGBA", 4, sums.layer(layer).as_flattened(), Precision::Float);
     let layers = Layer::all(sums.bounces).into_iter().map(layer).collect();
     let metadata = [("identity", identity.to_owned()), ("samples", sums.samples.to_string()), ("bounces", sums.bounces.to_string())];
     write_exr(path, sums.size[0], sums.size[1], layers, &metadata)
@@ -32,7 +33,10 @@ pub fn load_sums(path: &Path, identity: &str, size: [u32; 2], bounces: u32) -> R
         return Err(fail!(BadInput, "--resume: {name} was not written by `manylight reference`"));
     };
     if has != bounces {
-        return Err(fail!(BadInput, "--resume: {name} has {has} bounces, not {bounces}; give --bounces {has}, or leave --resume out to begin anew"));
+        return Err(fail!(
+            BadInput,
+            "--resume: {name} has {has} bounces, not {bounces}; give --bounces {has}, or leave --resume out to begin anew"
+        ));
     }
     if of != identity || [image.width, image.height] != size {
         return Err(fail!(

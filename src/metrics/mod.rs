@@ -1,0 +1,197 @@
+//! How far a picture is from its reference: figures, and a map of where.
+//!
+//! Plain numbers in, plain numbers out. Sums are of 64 bits and in a fixed order: the same images give the same figures to the
+//! last bit, on however many cores.
+
+mod color;
+mod file;
+mod flip;
+mod heatmap;
+mod image;
+
+pub use color::{linear_to_srgb8, luminance, srgb_to_linear};
+pub use file::ImageFile;
+pub use flip::Exposures;
+pub use heatmap::heatmap;
+pub use image::{Content, Image};
+
+use crate::fail;
+use anyhow::Result;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// What [`Measures::relmse`] adds to the reference's square, so that black pixels do not divide by zero: the constant of
+/// Rousselle et al. 2011 and of most papers on rendering since. It is of the image's unit squared, a tenth of a radiance of 1:
+/// errors in what is much darker than that count as absolute ones.
+pub const RELMSE_EPSILON: f64 = 0.01;
+
+/// The figures of a comparison, t being the test's numbers and r the reference's.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Measures {
+    /// Square root of the mean of (t - r)² over pixels and channels.
+    pub rmse: f64,
+    /// Mean of (t - r)² / (r² + [`RELMSE_EPSILON`]) over pixels and channels.
+    pub relmse: f64,
+    /// The test's mean over the reference's. 1 where both are 0; infinite where only the reference's is, which is `null` in JSON.
+    pub energy: Option<f64>,
+    /// 99th percentile of the pixels' errors, a pixel's being the largest |t - r| of its channels: 99 % of the pixels, rounded up
+    /// to a whole one, are no farther off.
+    pub worst: f64,
+    /// Mean of FLIP over the pixels, from 0 to 1; only colours have it.
+    pub flip: Option<f64>,
+    /// What `energy` is of.
+    pub mean: Option<Means>,
+    /// At which exposures FLIP looked; only colours without an upper bound have them.
+    pub exposures: Option<Exposures>,
+}
+
+/// Mean luminance of colours, mean of single numbers; vectors have none.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Means {
+    pub test: f64,
+    pub reference: f64,
+}
+
+impl Means {
+    fn ratio(self) -> f64 {
+        if self.test == self.reference { 1.0 } else { self.test / self.reference }
+    }
+}
+
+/// The figures of a comparison and where they come from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    pub measures: Measures,
+    /// A number from 0 to 1 a pixel, row by row from the top: FLIP for colours, else the pixel's error over the largest one.
+    pub map: Vec<f32>,
+}
+
+/// Measures how far `test` is from `reference`.
+///
+/// # Errors
+/// `BadInput` where the images' sizes or kinds differ.
+pub fn compare(test: &Image, reference: &Image) -> Result<Comparison> {
+    if test.size() != reference.size() {
+        let ([width, height], [reference_width, reference_height]) = (test.size(), reference.size());
+        return Err(fail!(
+            BadInput,
+            "the sizes differ: {width} x {height} pixels in the test, {reference_width} x {reference_height} in the reference"
+        ));
+    }
+    if (test.content(), test.channels()) != (reference.content(), reference.channels()) {
+        return Err(fail!(BadInput, "the test holds {}, the reference {}", test.describe(), reference.describe()));
+    }
+    let sums = sums(test, reference);
+    let count = test.values().len() as f64;
+    let pixels = count / test.channels() as f64;
+    let mean = sums.means.map(|[test, reference]| Means { test: test / pixels, reference: reference / pixels });
+    let mut errors = errors(test, reference);
+    let (map, exposures) = match test.content() {
+        Content::Radiance => {
+            let exposures = Exposures::of(reference);
+            (Some(flip::hdr(test, reference, exposures)), Some(exposures))
+        }
+        Content::Shown => (Some(flip::ldr(test, reference)), None),
+        Content::Data => (None, None),
+    };
+    let flip = map.as_ref().map(|map| map.par_chunks(test.width()).map(sum).collect::<Vec<f64>>().iter().sum::<f64>() / pixels);
+    let map = map.unwrap_or_else(|| relative_to_the_largest(&errors));
+    let measures = Measures {
+        rmse: (sums.squares / count).sqrt(),
+        relmse: sums.relative_squares / count,
+        energy: mean.map(Means::ratio),
+        worst: percentile_99(&mut errors),
+        flip,
+        mean,
+        exposures,
+    };
+    Ok(Comparison { measures, map })
+}
+
+impl Measures {
+    /// What stands for several frames: `rmse` is the root of the mean of its squares, `relmse`, `flip` and the means are
+    /// averaged, `energy` is the ratio of those, and `worst` is that of the worst frame. `None` without frames.
+    pub fn over_frames(frames: &[Self]) -> Option<Self> {
+        let count = frames.len() as f64;
+        let average = |figure: &dyn Fn(&Self) -> Option<f64>| frames.iter().map(figure).sum::<Option<f64>>().map(|sum| sum / count);
+        let mean = |figure: fn(&Means) -> f64| average(&|frame| frame.mean.as_ref().map(figure));
+        let mean = mean(|mean| mean.test).zip(mean(|mean| mean.reference)).map(|(test, reference)| Means { test, reference });
+        Some(Self {
+            rmse: average(&|frame| Some(frame.rmse * frame.rmse))?.sqrt(),
+            relmse: average(&|frame| Some(frame.relmse))?,
+            energy: mean.map(Means::ratio),
+            worst: frames.iter().map(|frame| frame.worst).reduce(f64::max)?,
+            flip: average(&|frame| frame.flip),
+            mean,
+            exposures: None,
+        })
+    }
+}
+
+/// Sums over an image or a row of it.
+#[derive(Default)]
+struct Sums {
+    squares: f64,
+    relative_squares: f64,
+    /// Of the test and of the reference; only where a mean says something.
+    means: Option<[f64; 2]>,
+}
+
+/// Row by row on all cores, then the rows in their order.
+fn sums(test: &Image, reference: &Image) -> Sums {
+    let rows: Vec<Sums> = test.rows().zip(reference.rows()).map(|(t, r)| row_sums(t, r, test)).collect();
+    rows.into_iter().reduce(add).unwrap_or_default()
+}
+
+fn row_sums(test: &[f32], reference: &[f32], image: &Image) -> Sums {
+    let mut sums = Sums::default();
+    for (&t, &r) in test.iter().zip(reference) {
+        let (r, square) = (f64::from(r), (f64::from(t) - f64::from(r)).powi(2));
+        sums.squares += square;
+        sums.relative_squares += square / (r * r + RELMSE_EPSILON);
+    }
+    sums.means = match (image.content(), image.channels()) {
+        (Content::Radiance | Content::Shown, _) => {
+            let mean = |row: &[f32]| row.chunks_exact(3).map(luminance).sum();
+            Some([mean(test), mean(reference)])
+        }
+        (Content::Data, 1) => Some([sum(test), sum(reference)]),
+        (Content::Data, _) => None,
+    };
+    sums
+}
+
+fn add(a: Sums, b: Sums) -> Sums {
+    Sums {
+        squares: a.squares + b.squares,
+        relative_squares: a.relative_squares + b.relative_squares,
+        means: a.means.zip(b.means).map(|(a, b)| [a[0] + b[0], a[1] + b[1]]),
+    }
+}
+
+fn sum(values: &[f32]) -> f64 {
+    values.iter().map(|&value| f64::from(value)).sum()
+}
+
+/// A pixel's largest |t - r|.
+fn errors(test: &Image, reference: &Image) -> Vec<f32> {
+    let channels = test.channels();
+    let pixels = test.values().par_chunks_exact(channels).zip(reference.values().par_chunks_exact(channels));
+    pixels.map(|(t, r)| t.iter().zip(r).map(|(t, r)| (t - r).abs()).fold(0.0, f32::max)).collect()
+}
+
+/// Puts the errors out of order.
+fn percentile_99(errors: &mut [f32]) -> f64 {
+    // The nearest rank: of 100 errors the 99th.
+    let rank = (errors.len() * 99).div_ceil(100);
+    let (_, &mut error, _) = errors.select_nth_unstable_by(rank.saturating_sub(1), f32::total_cmp);
+    f64::from(error)
+}
+
+fn relative_to_the_largest(errors: &[f32]) -> Vec<f32> {
+    let largest = errors.iter().copied().fold(0.0, f32::max);
+    errors.iter().map(|&error| if largest > 0.0 { error / largest } else { 0.0 }).collect()
+}
+
+#[cfg(test)]
+mod tests;
