@@ -10,10 +10,8 @@ layout(constant_id = 101) const bool METALLIC_ROUGHNESS_MAPS = true;
 layout(constant_id = 102) const bool EMISSION_MAPS = true;
 layout(constant_id = 103) const bool NORMAL_MAPS = true;
 layout(constant_id = 104) const bool VERTEX_COLORS = true;
-layout(constant_id = 105) const bool MASKS = true;
 layout(constant_id = 106) const bool EMISSION = true;
 layout(constant_id = 107) const bool METALS = true;
-layout(constant_id = 108) const bool SINGLE_SIDES = true;
 
 // The reflection cannot evaluate what is made of these constants by an operator: functions hide it from there.
 bool without(bool some) { return !some; }
@@ -102,60 +100,31 @@ vec4 color_at(Corners corners, vec3 weights) {
          + weights.z * unpackUnorm4x8(vertices.at[corners.vertex.z].color);
 }
 
-vec3 weights_of(Hit hit) { return vec3(1.0 - hit.weights.x - hit.weights.y, hit.weights); }
-
-// Whether a hit is a hole of its texture.
-bool is_hole(Hit hit) {
-    Corners corners = corners_of(triangle_texel(3u * hit.triangle), triangle_texel(3u * hit.triangle + 1u));
-    vec3 weights = weights_of(hit);
+bool is_hole(uint triangle, vec2 barycentric) {
+    Corners corners = corners_of(triangle_texel(3u * triangle), triangle_texel(3u * triangle + 1u));
+    vec3 weights = vec3(1.0 - barycentric.x - barycentric.y, barycentric);
     float alpha = materials.at[corners.material].base_color.a;
     if (VERTEX_COLORS) alpha *= color_at(corners, weights).a;
     if (BASE_COLOR_MAPS) {
-        alpha *= look_up(materials.at[corners.material].base_color_texels, materials.at[corners.material].base_color_map, uv_at(corners, weights)).a;
+        TexelMap map = materials.at[corners.material].base_color_texels;
+        // Alpha has no curve.
+        map.how &= ~SRGB_TEXELS;
+        alpha *= look_up(map, materials.at[corners.material].base_color_map, uv_at(corners, weights)).a;
     }
     return alpha < materials.at[corners.material].alpha_cutoff;
 }
 
-// Normal of a triangle's front, of no particular length.
-vec3 front_normal(uint triangle) {
-    vec3 a = uintBitsToFloat(triangle_texel(3u * triangle).xyz);
-    vec3 b = uintBitsToFloat(triangle_texel(3u * triangle + 1u).xyz);
-    vec3 c = uintBitsToFloat(triangle_texel(3u * triangle + 2u).xyz);
-    return cross(b - a, c - a);
-}
-
-// Whether a ray goes on behind a hit.
-bool passes(Ray ray, Hit hit, bool from_camera) {
-    uint flags = triangle_texel(3u * hit.triangle + 2u).w;
-    bool through = false;
-    if (SINGLE_SIDES) through = from_camera && (flags & SINGLE_SIDED) != 0u && dot(front_normal(hit.triangle), ray.direction) > 0.0;
-    if (MASKS && (flags & MASKED) != 0u) through = through || is_hole(hit);
-    return through;
-}
-
 // The nearest surface from t_min on.
-Hit nearest(Ray ray, float t_min, bool from_camera) {
-    Hit hit = traverse(ray, t_min, NO_TRIANGLE, 1e30, false);
-    if (either(MASKS, from_camera)) {
-        while (hit.triangle != NO_TRIANGLE && passes(ray, hit, from_camera)) hit = traverse(ray, hit.t, hit.triangle, 1e30, false);
-    }
-    return hit;
-}
+Hit nearest(Ray ray, float t_min, bool from_camera) { return traverse(ray, t_min, 1e30, false, from_camera); }
 
 // Whether a surface lies on a ray before t_max.
-bool is_occluded(Ray ray, float t_max) {
-    Hit hit = traverse(ray, 0.0, NO_TRIANGLE, t_max, true);
-    if (MASKS) {
-        while (hit.triangle != NO_TRIANGLE && passes(ray, hit, false)) hit = traverse(ray, hit.t, hit.triangle, t_max, true);
-    }
-    return hit.triangle != NO_TRIANGLE;
-}
+bool is_occluded(Ray ray, float t_max) { return traverse(ray, 0.0, t_max, true, false).triangle != NO_TRIANGLE; }
 
 // All of a hit.
 Surface surface_at(Ray ray, Hit hit) {
     uvec4 ta = triangle_texel(3u * hit.triangle), tb = triangle_texel(3u * hit.triangle + 1u), tc = triangle_texel(3u * hit.triangle + 2u);
     Corners corners = corners_of(ta, tb);
-    vec3 weights = weights_of(hit);
+    vec3 weights = vec3(1.0 - hit.weights.x - hit.weights.y, hit.weights);
     vec3 a = uintBitsToFloat(ta.xyz), b = uintBitsToFloat(tb.xyz), c = uintBitsToFloat(tc.xyz);
     Surface s;
     s.position = weights.x * a + weights.y * b + weights.z * c;

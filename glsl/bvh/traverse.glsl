@@ -1,5 +1,10 @@
-// Rays through the bounding volume hierarchy of src/scene/bvh.rs.
+// Rays through the bounding volume hierarchy of src/scene/bvh.rs. Whoever includes it defines
+//     bool is_hole(uint triangle, vec2 weights);
+// whether a triangle whose material is masked has a hole at barycentric weights of its second and third corner.
 #include "lib/ray.glsl"
+
+layout(constant_id = 105) const bool MASKS = true;        // whether the scene has masked materials
+layout(constant_id = 108) const bool SINGLE_SIDES = true; // and single-sided ones
 
 struct Bvh {
     vec3 origin; // of the grid that boxes lie on
@@ -27,6 +32,8 @@ struct Hit {
     vec2 weights;    // barycentric, of the second and the third corner
 };
 
+bool is_hole(uint triangle, vec2 weights);
+
 uvec4 node_texel(uint i) { return texelFetch(bvh_nodes, ivec2(i & 4095u, i >> 12), 0); }
 uvec4 triangle_texel(uint i) { return texelFetch(bvh_triangles, ivec2(i & 4095u, i >> 12), 0); }
 
@@ -38,16 +45,15 @@ vec2 hit_box(uvec3 planes, vec3 scale, vec3 offset) {
     return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
 }
 
-// The nearest hit after (t_min, after) and before t_max, in the order of (t, triangle), so that equal distances have an order too.
-// Where `solid_ends`, some hit that is not masked, if there is one before the nearest masked one.
-Hit traverse(Ray ray, float t_min, uint after, float t_max, bool solid_ends) {
+// The nearest hit from t_min on and before t_max; of equal distances that of the lower number. Holes are none, and neither are to
+// the camera the backs of single-sided surfaces. Where `any`, some hit.
+Hit traverse(Ray ray, float t_min, float t_max, bool any, bool from_camera) {
     vec3 scale = bvh.it.cell * ray.inverse;
     vec3 offset = (bvh.it.origin - ray.origin) * ray.inverse;
     uint stack[STACK];
     uint top = 0u;
     Hit hit = Hit(t_max, NO_TRIANGLE, vec2(0.0));
     uint at = 0u;
-    bool ended = false;
     while (at != DONE) {
         while (at < LEAF) {
             uvec4 a = node_texel(2u * at), b = node_texel(2u * at + 1u);
@@ -70,15 +76,16 @@ Hit traverse(Ray ray, float t_min, uint after, float t_max, bool solid_ends) {
                 vec3 a = uintBitsToFloat(triangle_texel(3u * i).xyz);
                 vec3 b = uintBitsToFloat(triangle_texel(3u * i + 1u).xyz);
                 uvec4 last = triangle_texel(3u * i + 2u);
-                vec3 found = hit_triangle(ray, a, b, uintBitsToFloat(last.xyz));
-                bool nearer = found.x < hit.t || (found.x == hit.t && i < hit.triangle);
-                bool later = found.x > t_min || (found.x == t_min && i > after && after != NO_TRIANGLE);
-                if (found.x >= 0.0 && nearer && later) {
-                    hit = Hit(found.x, i, found.yz);
-                    ended = solid_ends && (last.w & MASKED) == 0u;
-                }
+                bool front;
+                vec3 found = hit_triangle(ray, a, b, uintBitsToFloat(last.xyz), front);
+                bool met = found.x >= t_min && (found.x < hit.t || (found.x == hit.t && i < hit.triangle));
+                if (SINGLE_SIDES) met = met && (front || !from_camera || (last.w & SINGLE_SIDED) == 0u);
+                if (MASKS && met && (last.w & MASKED) != 0u) met = !is_hole(i, found.yz);
+                if (met) hit = Hit(found.x, i, found.yz);
             }
-            at = top > 0u && !ended ? stack[--top] : DONE;
+            at = top > 0u ? stack[top - 1u] : DONE;
+            top = max(top, 1u) - 1u;
+            if (any && hit.triangle != NO_TRIANGLE) at = DONE;
         }
     }
     return hit;

@@ -23,8 +23,9 @@ Ray make_ray(vec3 origin, vec3 direction) {
 }
 
 // Distance along the ray to a triangle of these corners, and the barycentric weights of the second and the third; the distance is
-// negative where the ray misses. Two triangles that share an edge leave no gap between them.
-vec3 hit_triangle(Ray ray, vec3 corner0, vec3 corner1, vec3 corner2) {
+// negative where the ray misses. Two triangles that share an edge leave no gap between them. The ray meets the front where it sees
+// the corners counter-clockwise.
+vec3 hit_triangle(Ray ray, vec3 corner0, vec3 corner1, vec3 corner2, out bool front) {
     vec3 a = turned(corner0 - ray.origin, ray.axis);
     vec3 b = turned(corner1 - ray.origin, ray.axis);
     vec3 c = turned(corner2 - ray.origin, ray.axis);
@@ -35,10 +36,10 @@ vec3 hit_triangle(Ray ray, vec3 corner0, vec3 corner1, vec3 corner2) {
     precise float u = pc.x * pb.y - pc.y * pb.x;
     precise float v = pa.x * pc.y - pa.y * pc.x;
     precise float w = pb.x * pa.y - pb.y * pa.x;
-    precise float sum = u + v + w;
+    float sum = u + v + w;
+    front = sum * ray.shear.z > 0.0;
     bool outside = min(u, min(v, w)) < 0.0 && max(u, max(v, w)) > 0.0;
     if (outside || sum == 0.0) return vec3(-1.0);
-    // A ray that is sent on from a hit must find the same distance to it again, wherever the compiler has put this.
-    precise float t = (u * a.z + v * b.z + w * c.z) * ray.shear.z / sum;
-    return vec3(t, v / sum, w / sum);
+    float t = (u * a.z + v * b.z + w * c.z) * ray.shear.z;
+    return vec3(t, v, w) / sum;
 }
