@@ -116,6 +116,9 @@ pub struct ReferenceArgs {
     /// Bound the light of near surfaces by gather.min_distance, as VPLs do: not the truth, but what they converge to
     #[arg(long)]
     pub min_distance: bool,
+    /// Look through the middles of the pixels alone, as a rasterized frame does: its jagged edges, for comparing pixel by pixel
+    #[arg(long)]
+    pub centers: bool,
     /// Which frame's camera and lights [default: the last frame's, as in a render]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..1_000_000))]
     pub frame: Option<u32>,
@@ -371,7 +374,7 @@ mod tests {
         };
         let plain = reference("reference configs/cornell.toml");
         assert_eq!((plain.spp, plain.bounces, plain.output()), (256, 4, Path::new("out/cornell/reference").to_owned()));
-        assert!(!plain.resume && !plain.min_distance && plain.time.is_none() && plain.target_error.is_none());
+        assert!(!plain.resume && !plain.min_distance && !plain.centers && plain.time.is_none() && plain.target_error.is_none());
         let all =
             reference("reference c.toml -o there --spp 16 --bounces 0 --time 1.5 --target-error 0.01 --resume --size 64x32 --frame 3");
         assert_eq!((all.spp, all.bounces, all.time, all.target_error, all.frame), (16, 0, Some(1.5), Some(0.01), Some(3)));

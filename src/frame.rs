@@ -40,7 +40,7 @@ pub fn frame(g: &mut Graph, scene: &DeviceScene, traced: Option<&TracedScene>, v
     let visibility = visibility::render(g, traced.as_ref(), &gbuffer, &vpls, config.gather.interleave, &config.visibility);
     let indirect = gather::indirect(g, &gbuffer, &vpls, visibility, &config.gather);
     let irradiance = filter::smooth(g, &gbuffer, indirect, config.gather.interleave, &config.filter);
-    let direct = direct::shade(g, scene, &gbuffer, &rsm, config.materials.dielectric, &config.direct);
+    let direct = direct::shade(g, scene, traced.as_ref(), &gbuffer, &rsm, config.materials.dielectric, &config.direct);
     let composed = compose::sum(g, &gbuffer, direct, irradiance, lighting.environment, &config.compose);
     Frame { gbuffer, irradiance, direct, composed }
 }

@@ -1,6 +1,6 @@
 //! Renders a scene under a config, frame by frame: what the commands and the tests share.
 
-use crate::config::{Builtin, Config, SceneConfig, SceneSelector, TimingMode, VisibilityMethod};
+use crate::config::{Builtin, Config, SceneConfig, SceneSelector, Shadows, TimingMode, VisibilityMethod};
 use crate::fail;
 use crate::frame::{Frame, Lighting, frame};
 use crate::gpu::{Adapter, Feature, Format, Gpu, Options};
@@ -34,7 +34,7 @@ pub fn load_scene(config: &SceneConfig) -> Result<(Scene, Vec<String>)> {
 
 /// Whether frames of a config trace rays, which a renderer must be made for ([`Renderer::traced`]).
 pub fn needs_rays(config: &Config) -> bool {
-    config.visibility.method == VisibilityMethod::RayTraced
+    config.visibility.method == VisibilityMethod::RayTraced || config.direct.shadows == Shadows::RayTraced
 }
 
 /// A scene on a device, and everything that stays from frame to frame.
@@ -210,7 +210,7 @@ impl Renderer {
         }
         let each = u64::from(gather::vpls_a_pixel(config.vpls.count, config.gather.interleave));
         let most = u64::from(limits.image_layers) * u64::from(visibility::BITS);
-        if needs_rays(config) && each > most {
+        if config.visibility.method == VisibilityMethod::RayTraced && each > most {
             return Err(fail!(
                 BadInput,
                 "gather.interleave: {} leaves {each} VPLs to each pixel, over the {most} that \"ray-traced\" visibility keeps on {}; raise it or lower vpls.count",

@@ -1,4 +1,5 @@
 // What a ray meets: surfaces with their materials, through holes and, for the camera, through the backs of single-sided ones.
+#define SURFACE_GLSL
 #include "bvh/traverse.glsl"
 #include "lib/color.glsl"
 #include "lib/packing.glsl"

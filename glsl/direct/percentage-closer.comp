@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Direct light with percentage-closer filtering (Reeves et al. 1987) over a window of 2 radius + 1 texels.
-#include "direct/shade.glsl"
+#include "direct/shadow-map.glsl"
 
 uniform sampler2DArray rsm_depth;
 

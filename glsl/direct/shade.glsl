@@ -1,6 +1,6 @@
 // Direct light at a pixel, common to all kinds of shadow. Whoever includes it defines
-//     float shadow(Light light, uint layer, vec2 uv, float distance);
-// the share of light that arrives at a distance along the map's axis.
+//     float visibility(Light light, uint layer, vec3 x, vec3 n);
+// the share of a light, or of one face of a point light, that arrives at a point of a surface.
 #include "lib/brdf.glsl"
 #include "lib/color.glsl"
 #include "lib/light.glsl"
@@ -10,7 +10,9 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const bool GLOSSY_DIELECTRIC = false;
 layout(constant_id = 1) const uint LIGHT_KIND = 4; // of all lights, or MIXED
-layout(constant_id = 2) const bool METALS = true;  // whether the scene has any
+#ifndef SURFACE_GLSL
+layout(constant_id = 107) const bool METALS = true; // whether the scene has any
+#endif
 
 layout(scalar, push_constant) uniform Params {
     uint lights;
@@ -28,23 +30,7 @@ uniform sampler2D albedo;
 uniform sampler2D metallic_roughness;
 layout(rgba16f) writeonly uniform image2D direct;
 
-float shadow(Light light, uint layer, vec2 uv, float distance);
-
-// The share of a light's map that reaches a point: none outside of the map.
-float visibility(Light light, uint layer, vec3 x, vec3 n) {
-    // The point itself says which map it is in: the one lifted below may leave it at a spot's rim or a seam of a point light.
-    vec4 clip = light.world_to_clip * vec4(x, 1.0);
-    if (clip.w <= 0.0 || any(greaterThan(abs(clip.xy), vec2(clip.w)))) return 0.0;
-    // Off the surface by the bias, and so far that no texel of the window that is looked at lies above the surface: moved by up to
-    // `lift` texels across the map, the lifted point must stay on the light's side of the surface's plane.
-    vec2 texels = 2.0 / vec2(params.map_size) * (light.kind == DIRECTIONAL ? 1.0 : dot(x - light.origin, light.direction));
-    float slope = dot(texels, abs(vec2(dot(n, light.right), dot(n, light.up))));
-    vec3 lifted = x + n * (params.bias + params.lift * slope);
-    clip = light.world_to_clip * vec4(lifted, 1.0);
-    // A light so near to the surface has nothing before it.
-    if (clip.w <= 0.0) return 1.0;
-    return shadow(light, layer, clip.xy / clip.w * 0.5 + 0.5, dot(lifted - light.origin, light.direction));
-}
+float visibility(Light light, uint layer, vec3 x, vec3 n);
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);

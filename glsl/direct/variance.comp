@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Direct light with variance shadow maps (Donnelly and Lauritzen 2006).
-#include "direct/shade.glsl"
+#include "direct/shadow-map.glsl"
 
 uniform sampler2DArray moments;
 

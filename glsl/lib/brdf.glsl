@@ -1,3 +1,5 @@
+#ifndef BRDF_GLSL
+#define BRDF_GLSL
 // Reflection of surfaces: Lambert, and GGX with the height-correlated Smith term (Heitz 2014). See the README's radiometry.
 
 const float PI = 3.14159265358979;
@@ -29,3 +31,4 @@ vec3 brdf(vec3 albedo, float metallic, float roughness, bool glossy_dielectric, 
     if (metallic > 0.0) metal = schlick(albedo, vh) * ggx(alpha, nh, nl, nv);
     return mix(dielectric, metal, metallic);
 }
+#endif

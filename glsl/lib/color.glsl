@@ -1,3 +1,5 @@
+#ifndef COLOR_GLSL
+#define COLOR_GLSL
 // Curves between radiance and the screen.
 
 // Of 16 bits: what is brighter is stored as this, not as infinity.
@@ -16,3 +18,4 @@ float luminance(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
 
 // Reinhard's operator on luminance, so that hues stay.
 vec3 reinhard(vec3 c) { return c / (1.0 + luminance(c)); }
+#endif

@@ -1,3 +1,5 @@
+#ifndef LIGHT_GLSL
+#define LIGHT_GLSL
 // A layer of the reflective shadow map: a light, or one face of a point light, with its projection. See src/scene/projection.rs.
 struct Light {
     mat4 world_to_clip;
@@ -85,3 +87,4 @@ vec3 light_irradiance(Light light, vec3 position, out vec3 to_light) {
     to_light = v * inversesqrt(squared);
     return light.power * spot_falloff(light, dot(-to_light, light.direction)) / squared;
 }
+#endif

@@ -1,3 +1,5 @@
+#ifndef PACKING_GLSL
+#define PACKING_GLSL
 // Octahedral mapping of unit vectors (Cigolle et al. 2014), and the packings of src/scene/pack.rs.
 
 vec2 sign_not_zero(vec2 v) { return vec2(v.x >= 0.0 ? 1.0 : -1.0, v.y >= 0.0 ? 1.0 : -1.0); }
@@ -24,3 +26,4 @@ vec4 tangent_inverse(uint word) {
     vec2 p = vec2(word & 0x7fffu, (word >> 15) & 0x7fffu) / 32767.0 * 2.0 - 1.0;
     return vec4(octahedral_inverse(p), (word >> 31) != 0u ? -1.0 : 1.0);
 }
+#endif

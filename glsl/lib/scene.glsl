@@ -1,3 +1,5 @@
+#ifndef SCENE_GLSL
+#define SCENE_GLSL
 // Draws and materials, as src/scene/device.rs fills them.
 struct DrawData {
     mat4x3 transform; // columns: axes and translation
@@ -55,3 +57,4 @@ struct Material {
 };
 
 vec3 map_coordinates(MapUse use, vec2 uv) { return vec3(use.matrix * uv + use.offset, use.layer); }
+#endif

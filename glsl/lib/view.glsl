@@ -1,3 +1,5 @@
+#ifndef VIEW_GLSL
+#define VIEW_GLSL
 // The camera, as src/scene/projection.rs fills it.
 struct View {
     mat4 view_projection;
@@ -17,3 +19,4 @@ vec3 view_position(View view, ivec2 pixel, float depth) {
     vec3 ray = view.forward + ndc.x * view.right - ndc.y * view.up;
     return view.position + ray * (view.near / depth);
 }
+#endif

@@ -14,6 +14,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const bool GLOSSY_DIELECTRIC = false;
 layout(constant_id = 1) const uint LIGHT_KIND = 4; // of all lights, or MIXED
 layout(constant_id = 2) const bool ENVIRONMENT = true;
+layout(constant_id = 3) const bool CENTERED = false; // through the middles of the pixels alone
 
 struct Emitter {
     uint triangle;
@@ -29,6 +30,7 @@ layout(scalar, push_constant) uniform Params {
     uint bounces;        // layers of indirect light
     uint lights;
     uint emitters;
+    float emitter_chance; // that a light is looked for among the emitting surfaces
     float squared_min_distance; // 0 but where the bound of the VPLs is asked for
 } params;
 
@@ -45,9 +47,16 @@ const int IRRADIANCE = 2; // indirect, where the first surface reflects diffusel
 const int ALBEDO = 3;
 const int DIRECT = 4;     // then the bounces
 
+// Sums are kept in two floats, since millions of the same number lose the last bits of it in one: what rounding left out of a
+// layer stands as many layers behind it as there are (Knuth's two-sum).
 void add(ivec2 pixel, int layer, vec4 more) {
-    ivec3 at = ivec3(pixel, layer);
-    imageStore(sums, at, imageLoad(sums, at) + more);
+    ivec3 at = ivec3(pixel, layer), rest_at = ivec3(pixel, layer + DIRECT + int(params.bounces) + 1);
+    vec4 before = imageLoad(sums, at);
+    precise vec4 after = before + more;
+    precise vec4 added = after - before;
+    precise vec4 lost = (before - (after - added)) + (more - added);
+    imageStore(sums, at, after);
+    imageStore(sums, rest_at, imageLoad(sums, rest_at) + lost);
 }
 
 // Of two ways to find the same light, how much counts from the first (power heuristic).
@@ -60,9 +69,6 @@ vec3 reflected(Surface s, vec3 l, vec3 v) {
 }
 
 float density(Surface s, vec3 l, vec3 v) { return brdf_density(s.metallic, s.roughness, GLOSSY_DIELECTRIC, s.normal, l, v); }
-
-// Chance that a light is looked for among the emitting surfaces.
-float emitter_chance() { return params.emitters == 0u ? 0.0 : params.lights == 0u ? 1.0 : 0.5; }
 
 // One light, as likely as it would shine unshadowed on the surface: what it brings if nothing is in the way, and the way there.
 vec3 sample_lights(Surface s, vec3 v, float u, out vec3 to_light, out float distance) {
@@ -116,7 +122,7 @@ vec3 sample_emitters(Surface s, vec3 v, vec3 u, out vec3 to_light, out float dis
     Surface emitter = surface_at(make_ray(s.position, to_light), Hit(distance, triangle, weights));
     float cosine = dot(emitter.geometric_normal, -to_light);
     if (cosine <= 0.0 || emitter.emitter_density <= 0.0) return vec3(0.0);
-    float light_density = emitter_chance() * emitter.emitter_density * distance * distance / cosine;
+    float light_density = params.emitter_chance * emitter.emitter_density * distance * distance / cosine;
     return emitter.emission * reflected(s, to_light, v) / light_density * share(light_density, density(s, to_light, v));
 }
 
@@ -127,6 +133,7 @@ void main() {
 
     // Anywhere in the pixel: a box filter.
     vec4 u = random(number, params.sample_index, 0u, params.seed);
+    if (CENTERED) u.xy = vec2(0.5);
     vec2 ndc = (vec2(pixel) + u.xy) / vec2(view.it.width, view.it.height) * 2.0 - 1.0;
     Ray ray = make_ray(view.it.position, view.it.forward + ndc.x * view.it.right - ndc.y * view.it.up);
     float t_min = view.it.near;
@@ -154,7 +161,7 @@ void main() {
         if (EMISSION && any(greaterThan(s.emission, vec3(0.0)))) {
             float mine = 1.0;
             if (k > 0u) {
-                float light_density = emitter_chance() * s.emitter_density * hit.t * hit.t / max(dot(s.geometric_normal, v), 1e-9);
+                float light_density = params.emitter_chance * s.emitter_density * hit.t * hit.t / max(dot(s.geometric_normal, v), 1e-9);
                 mine = share(came_with, light_density);
             }
             vec3 found = throughput * s.emission * mine;
@@ -178,10 +185,10 @@ void main() {
         vec4 choice = random(number, params.sample_index, 2u * k + 1u, params.seed);
         vec3 to_light = s.normal, found = vec3(0.0);
         float distance = 0.0;
-        if (EMISSION && choice.w < emitter_chance()) {
+        if (EMISSION && choice.w < params.emitter_chance) {
             found = sample_emitters(s, v, choice.xyz, to_light, distance);
         } else if (params.lights > 0u) {
-            found = sample_lights(s, v, choice.x, to_light, distance) / (1.0 - emitter_chance());
+            found = sample_lights(s, v, choice.x, to_light, distance) / (1.0 - params.emitter_chance);
         }
         if (any(greaterThan(found, vec3(0.0)))) {
             traced += 1u;
@@ -220,7 +227,7 @@ void main() {
     }
 
     vec4 before = imageLoad(sums, ivec3(pixel, RADIANCE)), after = before + vec4(radiance, float(met));
-    imageStore(sums, ivec3(pixel, RADIANCE), after);
+    add(pixel, RADIANCE, vec4(radiance, float(met)));
     if (params.sample_index > 0u) {
         vec3 from_old = radiance - before.rgb / float(params.sample_index), from_new = radiance - after.rgb / float(params.sample_index + 1u);
         add(pixel, SPREAD, vec4(from_old * from_new, 0.0));

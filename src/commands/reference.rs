@@ -38,6 +38,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
         bounces: args.bounces,
         frame_index: args.frame.unwrap_or(config.frame.count - 1),
         min_distance: if args.min_distance { config.gather.min_distance } else { 0.0 },
+        centered: args.centers,
     };
     let identity = identity(&config, settings, &scene);
     let kept = folder.join("sums.exr");

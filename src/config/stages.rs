@@ -200,6 +200,8 @@ pub enum Shadows {
     Variance,
     /// Several comparisons, averaged.
     PercentageCloser,
+    /// A ray to the light: exact, with hard edges.
+    RayTraced,
     None,
 }
 

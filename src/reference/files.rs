@@ -11,11 +11,18 @@ use std::path::Path;
 
 /// Keeps sums with what they are of; whole numbers of bits, so that going on from them is as if nothing had been between.
 pub fn save_sums(path: &Path, identity: &str, sums: &Sums) -> Result<()> {
-    let layer =
-        |(name, layer): (String, Layer)| ExrLayer::interleaved(&name, "RGBA", 4, sums.layer(layer).as_flattened(), Precision::Float);
-    let layers = Layer::all(sums.bounces).into_iter().map(layer).collect();
+    let planes = sums.texels.chunks_exact(sums.pixels());
+    let layer = |(name, plane): (String, &[[f32; 4]])| ExrLayer::interleaved(&name, "RGBA", 4, plane.as_flattened(), Precision::Float);
+    let layers = names(sums.bounces).into_iter().zip(planes).map(layer).collect();
     let metadata = [("identity", identity.to_owned()), ("samples", sums.samples.to_string()), ("bounces", sums.bounces.to_string())];
     write_exr(path, sums.size[0], sums.size[1], layers, &metadata)
+}
+
+/// What the planes of the sums are called in the file, in order.
+fn names(bounces: u32) -> Vec<String> {
+    let layers: Vec<String> = Layer::all(bounces).into_iter().map(|(name, _)| name).collect();
+    let rests = layers.iter().map(|name| format!("{name}.rest"));
+    layers.iter().cloned().chain(rests).collect()
 }
 
 /// Sums that [`save_sums`] kept.
@@ -47,7 +54,7 @@ pub fn load_sums(path: &Path, identity: &str, size: [u32; 2], bounces: u32) -> R
     let mut sums = Sums::new(size, bounces);
     sums.samples = samples;
     let pixels = sums.pixels();
-    for (i, (layer, _)) in Layer::all(bounces).into_iter().enumerate() {
+    for (i, layer) in names(bounces).into_iter().enumerate() {
         for (k, channel) in "RGBA".chars().enumerate() {
             let Some(values) = image.channels.get(&format!("{layer}.{channel}")) else {
                 return Err(fail!(BadInput, "--resume: {name} lacks {layer}.{channel}; it is damaged: leave --resume out to begin anew"));

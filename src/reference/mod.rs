@@ -15,12 +15,13 @@ use crate::fail;
 use crate::gpu::{Format, ImageId};
 use crate::graph::{Execution, Graph};
 use crate::renderer::Renderer;
-use crate::scene::Light;
 use crate::scene::projection::{Projector, View};
+use crate::scene::{Aabb, Light};
 use crate::shader_struct;
 use anyhow::{Context, Result};
 use bytemuck::Zeroable;
 use glam::Vec3;
+use std::f32::consts::TAU;
 use std::time::Instant;
 
 shader_struct! {
@@ -33,12 +34,13 @@ shader_struct! {
         bounces: u32,
         lights: u32,
         emitters: u32,
+        emitter_chance: f32,
         squared_min_distance: f32,
     }
 }
 
 /// Indirect bounces that can be asked for: more would run into the limit that a software driver sets to a shader's loops.
-pub const MOST_BOUNCES: u32 = 32;
+pub const MOST_BOUNCES: u32 = 64;
 
 /// What to trace, beside the config.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,6 +51,8 @@ pub struct Settings {
     pub frame_index: u32,
     /// The bound of the VPLs' light (`gather.min_distance`) on each bounce, metres; 0 is the truth.
     pub min_distance: f32,
+    /// Through the middles of the pixels, as a rasterized frame looks, and not all over them.
+    pub centered: bool,
 }
 
 /// A path tracer at work on a scene. The device owns its sums.
@@ -57,6 +61,7 @@ pub struct Tracer {
     lights: Vec<Projector>,
     environment: Vec3,
     glossy_dielectric: bool,
+    emitter_chance: f32,
     seed: u32,
     settings: Settings,
     sums: ImageId,
@@ -84,6 +89,9 @@ impl Tracer {
         if projectors.len() > Projector::MAX {
             return Err(fail!(BadInput, "light: {} lights are over the {} that fit; take fewer", projectors.len(), Projector::MAX));
         }
+        let Some(traced) = renderer.traced_scene() else { unreachable!("the scene was brought without what rays need") };
+        let emitter_chance =
+            emitter_chance(traced.emitted_power, lights.iter().map(|light| power(light, renderer.device_scene().bounds)).sum());
         let environment = lights.iter().filter_map(|light| match light {
             Light::Environment { radiance } => Some(*radiance),
             _ => None,
@@ -112,7 +120,7 @@ impl Tracer {
             .create_filled_image(
                 "reference/sums",
                 Format::Rgba32Float,
-                [width, height, sums.layer_count()],
+                [width, height, sums.image_layers()],
                 bytemuck::cast_slice(&sums.texels),
                 true,
             )
@@ -122,6 +130,7 @@ impl Tracer {
             lights: projectors,
             environment: environment.sum(),
             glossy_dielectric: config.materials.dielectric == Dielectric::Ggx,
+            emitter_chance,
             seed: config.frame.seed,
             settings,
             sums: image,
@@ -136,7 +145,7 @@ impl Tracer {
     }
 
     fn sums_size(&self) -> ([u32; 2], u32) {
-        ([self.view.width, self.view.height], Layer::count(self.settings.bounces))
+        ([self.view.width, self.view.height], 2 * Layer::count(self.settings.bounces))
     }
 
     /// One more path through every pixel. How many rays that took, and the device's time in milliseconds.
@@ -180,6 +189,7 @@ impl Tracer {
             .updates("rays", counter)
             .constant("GLOSSY_DIELECTRIC", self.glossy_dielectric)
             .constant("LIGHT_KIND", Projector::common_kind(&self.lights))
+            .constant("CENTERED", self.settings.centered)
             .constant("ENVIRONMENT", self.environment != Vec3::ZERO)
             .params(&PathParams {
                 environment: self.environment.into(),
@@ -190,6 +200,7 @@ impl Tracer {
                 bounces: self.settings.bounces,
                 lights: self.lights.len() as u32,
                 emitters: scene.emitter_count,
+                emitter_chance: self.emitter_chance,
                 squared_min_distance: self.settings.min_distance * self.settings.min_distance,
             })
             .dispatch([self.view.width, rows, 1]);
@@ -242,6 +253,23 @@ impl Tracer {
     pub fn free(self, renderer: &mut Renderer) {
         renderer.engine().gpu.free_image(self.sums);
     }
+}
+
+/// Luminance of a light's flux into the scene, W.
+fn power(light: &Light, bounds: Aabb) -> f32 {
+    let luminance = |color: Vec3| color.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+    match *light {
+        Light::Directional { irradiance, .. } => luminance(irradiance) * bounds.size().length_squared() * 0.25,
+        Light::Spot { intensity, outer, .. } => luminance(intensity) * TAU * (1.0 - outer.cos()),
+        Light::Point { intensity, .. } => luminance(intensity) * 2.0 * TAU,
+        Light::Environment { .. } => 0.0,
+    }
+}
+
+/// How often a light is looked for among the emitting surfaces: by their share of the power, but each kind now and then, since
+/// either may be all that a corner of the scene gets.
+fn emitter_chance(emitters: f32, lights: f32) -> f32 {
+    if emitters == 0.0 || lights == 0.0 { f32::from(emitters > 0.0) } else { (emitters / (emitters + lights)).clamp(0.1, 0.9) }
 }
 
 /// What the middles of the pixels show, row by row from the top.

@@ -43,7 +43,8 @@ impl Layer {
     }
 }
 
-/// Sums over the paths of every pixel: four numbers a pixel, row by row from the top, layer by layer.
+/// Sums over the paths of every pixel: four numbers a pixel, row by row from the top, layer by layer; then once more as many layers
+/// with what rounding left out of each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sums {
     pub size: [u32; 2],
@@ -57,11 +58,12 @@ impl Sums {
     /// Of no path.
     pub fn new(size: [u32; 2], bounces: u32) -> Self {
         let pixels = size[0] as usize * size[1] as usize;
-        Self { size, bounces, samples: 0, texels: vec![[0.0; 4]; pixels * Layer::count(bounces) as usize] }
+        Self { size, bounces, samples: 0, texels: vec![[0.0; 4]; 2 * pixels * Layer::count(bounces) as usize] }
     }
 
-    pub fn layer_count(&self) -> u32 {
-        Layer::count(self.bounces)
+    /// Of the image that holds them.
+    pub fn image_layers(&self) -> u32 {
+        2 * Layer::count(self.bounces)
     }
 
     pub fn pixels(&self) -> usize {
@@ -69,14 +71,17 @@ impl Sums {
     }
 
     /// A layer's sums.
-    pub fn layer(&self, layer: Layer) -> &[[f32; 4]] {
-        &self.texels[layer.index() * self.pixels()..][..self.pixels()]
+    pub fn layer(&self, layer: Layer) -> Vec<[f64; 4]> {
+        let (at, rest_at) = (layer.index(), layer.index() + Layer::count(self.bounces) as usize);
+        let plane = |at: usize| &self.texels[at * self.pixels()..][..self.pixels()];
+        let both = |(sum, rest): (&[f32; 4], &[f32; 4])| std::array::from_fn(|i| f64::from(sum[i]) + f64::from(rest[i]));
+        plane(at).iter().zip(plane(rest_at)).map(both).collect()
     }
 
     /// A layer's means.
     pub fn mean(&self, layer: Layer) -> Vec<[f32; 4]> {
         let n = f64::from(self.samples.max(1));
-        self.layer(layer).iter().map(|texel| texel.map(|sum| (f64::from(sum) / n) as f32)).collect()
+        self.layer(layer).into_iter().map(|texel| texel.map(|sum| (sum / n) as f32)).collect()
     }
 
     /// All bounces together.
@@ -93,7 +98,7 @@ impl Sums {
     /// Variance of the mean radiance; infinite where there is one path alone, since it tells nothing of it.
     pub fn variance(&self) -> Vec<[f32; 3]> {
         let n = f64::from(self.samples);
-        let of = |spread: f32| if self.samples > 1 { (f64::from(spread).max(0.0) / (n * (n - 1.0))) as f32 } else { f32::INFINITY };
+        let of = |spread: f64| if self.samples > 1 { (spread.max(0.0) / (n * (n - 1.0))) as f32 } else { f32::INFINITY };
         self.layer(Layer::Spread).iter().map(|texel| [of(texel[0]), of(texel[1]), of(texel[2])]).collect()
     }
 

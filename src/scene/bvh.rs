@@ -77,6 +77,9 @@ impl Bvh {
             };
             records.par_extend(scene.indices[range].par_chunks_exact(3).enumerate().map(record));
         }
+        if records.is_empty() {
+            return Self { nodes: vec![NOTHING], ..Self::default() };
+        }
         let corners: Vec<Corners> = records.par_iter().map(|record| Corners(corners(record))).collect();
         let mut tree = build_bvh2(&corners, PARAMETERS, &mut Duration::default());
         if tree.depth(0) > STACK - 2 {
@@ -116,7 +119,7 @@ fn corners(record: &Triangle) -> [Vec3A; 3] {
 /// Turns the crate's tree into records, parents before children and siblings together.
 fn lay_out(tree: &Bvh2, records: &[Triangle]) -> Bvh {
     let mut bvh = Bvh { nodes: vec![NOTHING], ..Bvh::default() };
-    let Some(root) = tree.nodes.first() else { return bvh };
+    let root = &tree.nodes[0];
     let (min, max) = (Vec3::from(root.aabb().min), Vec3::from(root.aabb().max));
     // A flat scene has cells of some height too. Boxes are rounded outwards by up to two cells.
     let least = 1e-9 + min.abs().max(max.abs()).max_element() * 1e-6;

@@ -44,6 +44,8 @@ pub struct TracedScene {
     bvh: DeviceBvh,
     texels: (ImageId, [u32; 3]),
     emitters: Vec<Emitter>,
+    /// Luminance of the flux that surfaces emit, W.
+    pub emitted_power: f32,
     pub traits: Traits,
 }
 
@@ -76,8 +78,14 @@ impl TracedScene {
             }
         }
         let bvh = Bvh::build(scene);
-        let emitters = emitters(scene, &bvh);
-        Ok(Self { texels: upload_texels(gpu, scene)?, bvh: DeviceBvh::upload(gpu, &scene.name, &bvh)?, emitters, traits: traits(scene) })
+        let (emitters, emitted_power) = emitters(scene, &bvh);
+        Ok(Self {
+            texels: upload_texels(gpu, scene)?,
+            bvh: DeviceBvh::upload(gpu, &scene.name, &bvh)?,
+            emitters,
+            emitted_power,
+            traits: traits(scene),
+        })
     }
 
     /// The scene as this frame's resources.
@@ -207,11 +215,11 @@ fn corner(record: &super::bvh::Triangle, at: usize) -> DVec3 {
     Vec3::new(f32::from_bits(record[at]), f32::from_bits(record[at + 1]), f32::from_bits(record[at + 2])).as_dvec3()
 }
 
-/// The emitting triangles, each as likely as its share of the emitted power.
-fn emitters(scene: &Scene, bvh: &Bvh) -> Vec<Emitter> {
+/// The emitting triangles, each as likely as its share of the emitted power, and that power.
+fn emitters(scene: &Scene, bvh: &Bvh) -> (Vec<Emitter>, f32) {
     let weights: Vec<f64> = scene.materials.iter().map(|material| emitter_weight(scene, material)).collect();
     if weights.iter().all(|weight| *weight == 0.0) {
-        return Vec::new();
+        return (Vec::new(), 0.0);
     }
     let mut sum = 0.0;
     let mut found = Vec::new();
@@ -223,7 +231,8 @@ fn emitters(scene: &Scene, bvh: &Bvh) -> Vec<Emitter> {
             found.push((i as u32, sum));
         }
     }
-    found.into_iter().map(|(triangle, upto)| Emitter { triangle, cumulative: (upto / sum) as f32 }).collect()
+    let emitters = found.into_iter().map(|(triangle, upto)| Emitter { triangle, cumulative: (upto / sum) as f32 }).collect();
+    (emitters, (sum * std::f64::consts::PI) as f32)
 }
 
 /// Of each material, the density by which a point of its surface is sampled as a light, 1/m^2; 0 where it emits nothing.

@@ -6,6 +6,7 @@ use crate::config::{Dielectric, DirectConfig, Shadows};
 use crate::gpu::{Format, Sampler};
 use crate::graph::{Graph, Image};
 use crate::scene::device::DeviceScene;
+use crate::scene::traced::TracedHandles;
 use crate::shader_struct;
 
 shader_struct! {
@@ -24,15 +25,24 @@ shader_struct! {
 }
 
 /// Fills the slot with the config's shadows; the image holds outgoing radiance, albedo included.
-pub fn shade(g: &mut Graph, scene: &DeviceScene, gbuffer: &GBuffer, rsm: &Rsm, dielectric: Dielectric, config: &DirectConfig) -> Image {
+pub fn shade(
+    g: &mut Graph,
+    scene: &DeviceScene,
+    traced: Option<&TracedHandles>,
+    gbuffer: &GBuffer,
+    rsm: &Rsm,
+    dielectric: Dielectric,
+    config: &DirectConfig,
+) -> Image {
     let direct = g.image("direct/radiance", Format::Rgba16Float, gbuffer.size);
     let moments = match config.shadows {
         Shadows::Variance => Some(variance_moments(g, rsm, config.blur)),
-        Shadows::PercentageCloser | Shadows::None => None,
+        Shadows::PercentageCloser | Shadows::RayTraced | Shadows::None => None,
     };
     let (name, map) = match config.shadows {
         Shadows::Variance => ("direct/variance", moments.map(|image| ("moments", image, Sampler::Linear))),
         Shadows::PercentageCloser => ("direct/percentage-closer", Some(("rsm_depth", rsm.depth, Sampler::Nearest))),
+        Shadows::RayTraced => ("direct/ray-traced", None),
         Shadows::None => ("direct/none", None),
     };
     let mut pass = g
@@ -46,7 +56,6 @@ pub fn shade(g: &mut Graph, scene: &DeviceScene, gbuffer: &GBuffer, rsm: &Rsm, d
         .writes("direct", direct)
         .constant("GLOSSY_DIELECTRIC", dielectric == Dielectric::Ggx)
         .constant("LIGHT_KIND", rsm.kind)
-        .constant("METALS", scene.has_metals)
         .params(&ShadeParams {
             lights: rsm.layers,
             bias: config.bias,
@@ -55,6 +64,11 @@ pub fn shade(g: &mut Graph, scene: &DeviceScene, gbuffer: &GBuffer, rsm: &Rsm, d
             // The window's farthest texel must stay below the lifted point on a slope; the variance's mean stays on it by itself.
             lift: if config.shadows == Shadows::PercentageCloser { config.blur as f32 + 1.0 } else { 1.0 },
         });
+    pass = match (config.shadows, traced) {
+        (Shadows::RayTraced, Some(traced)) => pass.traces(traced),
+        (Shadows::RayTraced, None) => unreachable!("the scene was brought without what rays need"),
+        _ => pass.constant("METALS", scene.has_metals),
+    };
     if let Some((binding, image, sampler)) = map {
         pass = pass.samples(binding, image, sampler);
     }

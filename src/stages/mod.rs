@@ -36,6 +36,7 @@ pub const METHODS: &[Method] = {
         method("filter.kind", "none", &[]),
         method("direct.shadows", "variance", &[FilteredRg32Float]),
         method("direct.shadows", "percentage-closer", &[]),
+        method("direct.shadows", "ray-traced", &[]),
         method("direct.shadows", "none", &[]),
         method("compose", "sum", &[]),
         method("reference", "path", &[]),

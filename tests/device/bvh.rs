@@ -1,17 +1,18 @@
 //! Rays through the bounding volume hierarchy on the device, held against all triangles one by one.
 
 use crate::common::*;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use manylight::graph::{Engine, Execution, Graph, Library};
 use manylight::scene::Scene;
 use manylight::scene::builtin::{self, Atrium};
 use manylight::scene::bvh::Bvh;
 use manylight::scene::device_bvh::DeviceBvh;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::time::Instant;
 
-/// Two vectors a ray in, one a hit out.
+/// Origin and direction of a ray in, distance, triangle and weights of its hit out. Where the origin's fourth number is not 0,
+/// any hit before the direction's fourth.
 const SHADER: &str = "#version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -19,16 +20,30 @@ const SHADER: &str = "#version 460
 layout(local_size_x = 64) in;
 layout(scalar) readonly buffer Rays { vec4 at[]; } rays;
 layout(scalar) writeonly buffer Hits { vec4 at[]; } hits;
+bool is_hole(uint triangle, vec2 weights) { return false; }
 void main() {
     uint i = gl_GlobalInvocationID.x;
     if (2u * i >= uint(rays.at.length())) return;
     vec4 origin = rays.at[2u * i], direction = rays.at[2u * i + 1u];
-    Hit hit = traverse(make_ray(origin.xyz, direction.xyz), 0.0, NO_TRIANGLE, direction.w, origin.w != 0.0);
+    Hit hit = traverse(make_ray(origin.xyz, direction.xyz), 0.0, direction.w, origin.w != 0.0, false);
     hits.at[i] = vec4(hit.t, uintBitsToFloat(hit.triangle), hit.weights);
 }
 ";
 
-fn engine() -> Engine {
+struct Ray {
+    origin: Vec3,
+    direction: Vec3,
+    /// Looks for any hit before this distance.
+    any_before: Option<f32>,
+}
+
+struct Found {
+    t: f32,
+    triangle: Option<usize>,
+    weights: [f32; 2],
+}
+
+fn trace(bvh: &Bvh, rays: &[Ray]) -> Vec<Found> {
     let mut sources = BTreeMap::new();
     for folder in ["lib", "bvh"] {
         for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("glsl").join(folder)).unwrap() {
@@ -38,125 +53,182 @@ fn engine() -> Engine {
         }
     }
     sources.insert("test/rays.comp".into(), SHADER.into());
-    Engine::new(
-        manylight::gpu::Gpu::new(&manylight::gpu::Options { device: manylight::gpu::DeviceChoice::Cpu, validate: false }).unwrap(),
-        Library::from_sources(sources),
-    )
-}
-
-fn hits(engine: &mut Engine, bvh: &DeviceBvh, rays: &[[f32; 4]]) -> Vec<[f32; 4]> {
+    let mut engine = Engine::new(gpu(), Library::from_sources(sources));
+    let device = DeviceBvh::upload(&mut engine.gpu, "test", bvh).unwrap();
+    let numbers = |ray: &Ray| {
+        let (o, d) = (ray.origin, ray.direction);
+        [[o.x, o.y, o.z, f32::from(ray.any_before.is_some())], [d.x, d.y, d.z, ray.any_before.unwrap_or(1e30)]]
+    };
     let mut g = Graph::new();
-    let handles = bvh.import(&mut g);
-    let from = g.upload("test/rays", rays);
-    let to = g.buffer::<[f32; 4]>("test/hits", rays.len() as u32 / 2);
+    let handles = device.import(&mut g);
+    let from = g.upload("test/rays", rays.iter().flat_map(numbers).collect::<Vec<_>>().as_slice());
+    let to = g.buffer::<[f32; 4]>("test/hits", rays.len() as u32);
     g.compute("test/rays")
         .reads("bvh", handles.data)
         .reads("bvh_nodes", handles.nodes)
         .reads("bvh_triangles", handles.triangles)
         .reads("rays", from)
         .writes("hits", to)
-        .dispatch([rays.len() as u32 / 2, 1, 1]);
+        .dispatch([rays.len() as u32, 1, 1]);
     let read = g.read_back(to);
     let outcome = engine.execute(&g, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
-    let all: Vec<[f32; 4]> = outcome
-        .bytes(read)
-        .chunks_exact(16)
-        .map(|h| std::array::from_fn(|i| f32::from_ne_bytes(h[4 * i..4 * i + 4].try_into().unwrap())))
-        .collect();
-    for k in 2..4 {
-        let mean = all.iter().map(|h| h[k] as f64).sum::<f64>() / all.len() as f64;
-        let packet = all.chunks(8).map(|c| c.iter().map(|h| h[k] as f64).fold(0.0, f64::max)).sum::<f64>() / (all.len() / 8) as f64;
-        let most = all.iter().map(|h| h[k] as f64).fold(0.0, f64::max);
-        println!("mean nodes {mean:.1} packet {packet:.1} most {most}");
+    let hits: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(outcome.bytes(read));
+    finish(&engine.gpu);
+    let found = |hit: [f32; 4]| Found {
+        t: hit[0],
+        triangle: (hit[1].to_bits() != u32::MAX).then_some(hit[1].to_bits() as usize),
+        weights: [hit[2], hit[3]],
+    };
+    hits.into_iter().map(found).collect()
+}
+
+fn corners(bvh: &Bvh, triangle: usize) -> [DVec3; 3] {
+    let record = &bvh.triangles[triangle];
+    [0, 4, 8].map(|at| Vec3::new(f32::from_bits(record[at]), f32::from_bits(record[at + 1]), f32::from_bits(record[at + 2])).as_dvec3())
+}
+
+/// Distance to a triangle in 64 bits (Möller and Trumbore 1997).
+fn meets([a, b, c]: &[DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
+    let (ab, ac) = (*b - *a, *c - *a);
+    let p = direction.cross(ac);
+    let determinant = ab.dot(p);
+    if determinant == 0.0 {
+        return None;
     }
-    println!("{:.1} ms, {:.3} Mrays/s", outcome.times[0].1, rays.len() as f64 / 2e3 / outcome.times[0].1);
-    outcome
-        .bytes(read)
-        .chunks_exact(16)
-        .map(|h| std::array::from_fn(|i| f32::from_ne_bytes(h[4 * i..4 * i + 4].try_into().unwrap())))
-        .collect()
+    let s = (origin - *a) / determinant;
+    let (u, q) = (s.dot(p), s.cross(ab));
+    let v = direction.dot(q);
+    let t = ac.dot(q);
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t >= 0.0).then_some(t)
 }
 
 fn random(state: &mut u32) -> f32 {
-    *state = state.wrapping_mul(747796405).wrapping_add(2891336453);
-    let w = ((*state >> ((*state >> 28) + 4)) ^ *state).wrapping_mul(277803737);
-    ((w >> 22) ^ w) as f32 / 4294967296.0
+    *state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((*state >> ((*state >> 28) + 4)) ^ *state).wrapping_mul(277_803_737);
+    ((word >> 22) ^ word) as f32 / 4_294_967_296.0
+}
+
+/// From anywhere in the scene's bounds to anywhere.
+fn random_rays(scene: &Scene, count: usize) -> Vec<Ray> {
+    let bounds = scene.bounds();
+    let mut state = 1;
+    let mut anywhere = || Vec3::new(random(&mut state), random(&mut state), random(&mut state));
+    let ray = |i: usize| {
+        let mut direction = (anywhere() * 2.0 - 1.0) * if i % 5 == 0 { 40.0 } else { 1.0 };
+        // Some along the axes, where a component is exactly 0.
+        if i % 17 == 0 {
+            direction[i % 3] = 0.0;
+        }
+        if i % 51 == 0 {
+            direction[(i + 1) % 3] = 0.0;
+        }
+        Ray { origin: bounds.min + anywhere() * bounds.size(), direction, any_before: None }
+    };
+    (0..count).map(ray).filter(|ray| ray.direction != Vec3::ZERO).collect()
+}
+
+fn compare(name: &str, scene: &Scene) {
+    let bvh = Bvh::build(scene);
+    assert_eq!(bvh.triangles.len() as u64, scene.triangle_count());
+    let triangles: Vec<[DVec3; 3]> = (0..bvh.triangles.len()).map(|i| corners(&bvh, i)).collect();
+    let mut rays = random_rays(scene, 10_000);
+    let nearest: Vec<Option<f64>> = rays
+        .par_iter()
+        .map(|ray| {
+            let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+            triangles.iter().filter_map(|triangle| meets(triangle, origin, direction)).min_by(f64::total_cmp)
+        })
+        .collect();
+    let hits = trace(&bvh, &rays);
+    assert!(nearest.iter().flatten().count() > 5000, "{name}: {} hits are too few to tell", nearest.iter().flatten().count());
+    for ((ray, found), expected) in rays.iter().zip(&hits).zip(&nearest) {
+        let ray = (ray.origin, ray.direction);
+        let Some(expected) = *expected else {
+            assert!(found.triangle.is_none(), "{name}: {ray:?} meets a triangle at {} and should not", found.t);
+            continue;
+        };
+        let triangle = found.triangle.unwrap_or_else(|| panic!("{name}: {ray:?} misses, and should meet a triangle at {expected}"));
+        assert!((f64::from(found.t) - expected).abs() <= 1e-4 * expected.max(1e-2), "{name}: {ray:?}: {} instead of {expected}", found.t);
+        // The weights give the same place.
+        let [a, b, c] = triangles[triangle];
+        let [v, w] = found.weights.map(f64::from);
+        let place = a * (1.0 - v - w) + b * v + c * w;
+        let along = ray.0.as_dvec3() + ray.1.as_dvec3() * expected;
+        assert!(place.distance(along) < 1e-3, "{name}: {ray:?}: at {place} by the weights, at {along} by the distance");
+    }
+    // A shadow ray is stopped by what is nearer than its end, and by nothing else.
+    for (ray, expected) in rays.iter_mut().zip(&nearest) {
+        ray.any_before = Some(expected.map_or(1e30, |t| t as f32 * if ray.origin.x > 0.0 { 1.01 } else { 0.99 }));
+    }
+    for ((ray, found), expected) in rays.iter().zip(trace(&bvh, &rays)).zip(&nearest) {
+        let stopped = expected.is_some() && ray.origin.x > 0.0;
+        assert_eq!(found.triangle.is_some(), stopped, "{name}: a shadow ray from {} along {}", ray.origin, ray.direction);
+    }
 }
 
 #[test]
-fn throughput() {
-    let which = std::env::var("SCENE").unwrap_or_default();
-    let scene: Scene = if which.is_empty() {
-        builtin::atrium(&Atrium { triangles: std::env::var("N").map_or(260_000, |n| n.parse().unwrap()), seed: 0 })
-    } else {
-        manylight::scene::gltf::load(Path::new(&which), None).unwrap().scene
+fn the_hierarchy_finds_the_hits_that_all_triangles_have() {
+    compare("cornell", &builtin::cornell());
+    compare("atrium", &builtin::atrium(&Atrium { triangles: 20_000, seed: 0 }));
+    if let Some(scene) = shared_scene("sponza_dabrovic.glb") {
+        compare("Sponza", &scene);
+    }
+}
+
+/// Aimed at the very vertices and edges of a closed surface from inside: not one may slip through.
+#[test]
+fn no_ray_slips_through_between_two_triangles() {
+    // A sphere of few triangles, whose corners have no exact floats.
+    let mut mesh = manylight::scene::builder::Mesh::default();
+    const N: u32 = 16;
+    let place = |i: u32, j: u32| {
+        let (theta, phi) = (j as f32 / N as f32 * std::f32::consts::PI, (i % N) as f32 / N as f32 * std::f32::consts::TAU);
+        Vec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin()) * 3.3
     };
-    let start = Instant::now();
-    let bvh = Bvh::build(&scene);
-    println!(
-        "build {:.2} s, depth {}, {} nodes, {} triangles",
-        start.elapsed().as_secs_f64(),
-        bvh.depth,
-        bvh.nodes.len(),
-        bvh.triangles.len()
-    );
-    let mut engine = engine();
-    let device = DeviceBvh::upload(&mut engine.gpu, "x", &bvh).unwrap();
-    let b = scene.bounds();
-    println!("{b:?}");
-    let (eye, target) = if which.is_empty() {
-        (Vec3::new(-9.5, 2.2, -0.4), Vec3::new(8.0, 3.6, 0.0))
-    } else {
-        (Vec3::new(-11.5, 2.2, -0.35), Vec3::new(8.0, 3.6, 0.1))
-    };
-    let f = (target - eye).normalize();
-    let r = f.cross(Vec3::Y).normalize();
-    let u = r.cross(f);
-    let mut rays = vec![];
-    let (w, h) = (480i32, 270i32);
-    for ty in 0..34 {
-        for tx in 0..w / 8 {
-            for k in 0..64 {
-                let (x, y) = (tx * 8 + k % 8, ty * 8 + k / 8);
-                if y >= h {
-                    continue;
+    for j in 0..N {
+        for i in 0..N {
+            let corners = [place(i, j), place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)];
+            let first = corners.map(|p| mesh.vertex(p, p.normalize_or(Vec3::Y), glam::Vec2::ZERO));
+            for triangle in [[0, 1, 2], [0, 2, 3]] {
+                let [a, b, c] = triangle.map(|k: usize| corners[k]);
+                if (b - a).cross(c - a).length() > 1e-6 {
+                    mesh.indices.extend(triangle.map(|k| first[k]));
                 }
-                let (a, b) = ((x as f32 + 0.5) / w as f32 * 2.0 - 1.0, (y as f32 + 0.5) / h as f32 * 2.0 - 1.0);
-                let d = f + r * a * 0.577 * 480.0 / 270.0 - u * b * 0.577;
-                rays.extend([[eye.x, eye.y, eye.z, 0.0], [d.x, d.y, d.z, 1e30]]);
             }
         }
     }
-    let mut state = 1;
-    for kind in ["primary", "bounce", "bounce 2"] {
-        println!("{kind}");
-        hits(&mut engine, &device, &rays);
-        let found = hits(&mut engine, &device, &rays);
-        let missed = found.iter().filter(|h| h[1].to_bits() == u32::MAX).count();
-        println!("missed {missed} of {}", found.len());
-        let mut shadow = vec![];
-        let mut next = vec![];
-        for (ray, hit) in rays.chunks(2).zip(&found) {
-            let id = hit[1].to_bits();
-            let (o, d) = (Vec3::new(ray[0][0], ray[0][1], ray[0][2]), Vec3::new(ray[1][0], ray[1][1], ray[1][2]));
-            if id == u32::MAX {
-                continue;
+    let mut scene = Scene::default();
+    let material = scene.add_material(matte([0.5; 3]));
+    scene.add_mesh(&mesh, material, &[glam::Affine3A::IDENTITY]);
+    let bvh = Bvh::build(&scene);
+    let mut rays = Vec::new();
+    for origin in [Vec3::ZERO, Vec3::new(0.3, -0.7, 0.11), Vec3::new(-1.9, 0.4, 1.3)] {
+        for triangle in 0..bvh.triangles.len() {
+            let [a, b, c] = corners(&bvh, triangle).map(|corner| corner.as_vec3());
+            for k in 0..20 {
+                let s = k as f32 / 19.0;
+                for target in [a.lerp(b, s), b.lerp(c, s), c.lerp(a, s)] {
+                    rays.push(Ray { origin, direction: target - origin, any_before: None });
+                }
             }
-            let t = bvh.triangles[id as usize];
-            let c = |i: usize| Vec3::new(f32::from_bits(t[i]), f32::from_bits(t[i + 1]), f32::from_bits(t[i + 2]));
-            let n = (c(4) - c(0)).cross(c(8) - c(0)).normalize_or(Vec3::Y);
-            let n = if n.dot(d) > 0.0 { -n } else { n };
-            let p = o + d * hit[0] + n * 1e-3;
-            let (z, phi) = (1.0 - 2.0 * random(&mut state), 6.2831853 * random(&mut state));
-            let s = (1.0f32 - z * z).sqrt();
-            let v = (n + Vec3::new(s * phi.cos(), s * phi.sin(), z)).normalize();
-            next.extend([[p.x, p.y, p.z, 0.0], [v.x, v.y, v.z, 1e30]]);
-            let l = -Vec3::new(0.22, -1.0, 0.3).normalize();
-            shadow.extend([[p.x, p.y, p.z, 1.0], [l.x, l.y, l.z, 1e30]]);
         }
-        println!("shadow");
-        hits(&mut engine, &device, &shadow);
-        hits(&mut engine, &device, &shadow);
-        rays = next;
     }
+    let missed = trace(&bvh, &rays).iter().filter(|found| found.triangle.is_none()).count();
+    assert_eq!(missed, 0, "of {} rays", rays.len());
+}
+
+#[test]
+fn a_scene_of_one_triangle_or_none_has_a_hierarchy_too() {
+    let empty = Bvh::build(&Scene::default());
+    let up = |x: f32| Ray { origin: Vec3::new(x, -1.0, 0.1), direction: Vec3::Y, any_before: None };
+    assert!(trace(&empty, &[up(0.1)])[0].triangle.is_none());
+    let mut scene = Scene::default();
+    let mut mesh = manylight::scene::builder::Mesh::default();
+    let corners = [Vec3::ZERO, Vec3::Z, Vec3::X].map(|p| mesh.vertex(p, Vec3::Y, glam::Vec2::ZERO));
+    mesh.indices.extend(corners);
+    let material = scene.add_material(matte([0.5; 3]));
+    scene.add_mesh(&mesh, material, &[glam::Affine3A::IDENTITY]);
+    let hits = trace(&Bvh::build(&scene), &[up(0.1), up(2.0)]);
+    assert_eq!((hits[0].triangle, hits[1].triangle), (Some(0), None));
+    assert!((hits[0].t - 1.0).abs() < 1e-6);
 }

@@ -4,12 +4,29 @@ use glam::{Affine3A, DVec3, Vec2, Vec3};
 use manylight::config::{CameraConfig, Config, FilterKind, LightConfig, Shadows};
 use manylight::gpu::{DeviceChoice, Gpu, Options};
 use manylight::graph::Execution;
+use manylight::reference::{Settings, Sums, Tracer};
 use manylight::renderer::{Picture, Renderer};
 use manylight::scene::builder::Mesh;
 use manylight::scene::{Material, Scene};
+use std::cell::RefCell;
 use std::f64::consts::PI;
+use std::io::Write;
+use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// One test at a time has devices: the software driver takes all cores for one of them, and the validation layer throws, now and
+/// then, where one thread records while another makes or destroys an instance.
+static TURN: Mutex<()> = Mutex::new(());
+
+thread_local! {
+    /// Given back when the test's thread ends, after all that it made.
+    static TAKEN: RefCell<Option<MutexGuard<'static, ()>>> = const { RefCell::new(None) };
+}
 
 pub fn gpu() -> Gpu {
+    TAKEN.with_borrow_mut(|taken| {
+        taken.get_or_insert_with(|| TURN.lock().unwrap_or_else(PoisonError::into_inner));
+    });
     let options = Options { device: DeviceChoice::Cpu, validate: true };
     Gpu::new(&options).unwrap_or_else(|error| panic!("{error:#}"))
 }
@@ -22,6 +39,50 @@ pub fn finish(gpu: &Gpu) {
 
 pub fn renderer(scene: Scene) -> Renderer {
     Renderer::new(gpu(), scene).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+/// As [`renderer`], with what rays need.
+pub fn traced(scene: Scene) -> Renderer {
+    Renderer::traced(gpu(), scene).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+/// A scene of the folder beside the project; says so where it is not there.
+pub fn shared_scene(name: &str) -> Option<Scene> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes").join(name);
+    if !path.exists() {
+        // Past the test harness, which keeps the output of passing tests to itself.
+        writeln!(std::io::stderr(), "SKIPPED: {} is not there", path.display()).unwrap();
+        return None;
+    }
+    Some(manylight::scene::gltf::load(&path, None).unwrap_or_else(|error| panic!("{error:#}")).scene)
+}
+
+/// The sums of so many paths a pixel.
+pub fn reference(renderer: &mut Renderer, config: &Config, settings: Settings, samples: u32) -> Sums {
+    let mut tracer = Tracer::new(renderer, config, settings, None).unwrap_or_else(|error| panic!("{error:#}"));
+    for _ in 0..samples {
+        tracer.sample(renderer, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
+    }
+    let sums = tracer.sums(renderer).unwrap_or_else(|error| panic!("{error:#}"));
+    tracer.free(renderer);
+    sums
+}
+
+/// The truth of so many bounces.
+pub fn bounces(bounces: u32) -> Settings {
+    Settings { bounces, frame_index: 0, min_distance: 0.0, centered: false }
+}
+
+/// As [`bounces`], through the middles of the pixels: what a rasterized frame is compared with, or its jagged edges would be the
+/// largest difference.
+pub fn centered(bounces: u32) -> Settings {
+    Settings { centered: true, ..self::bounces(bounces) }
+}
+
+/// Mean of the channels of the chosen pixels.
+pub fn mean(texels: &[[f32; 4]], chosen: impl Fn(usize) -> bool) -> f64 {
+    let values: Vec<f64> = (0..texels.len()).filter(|i| chosen(*i)).flat_map(|i| texels[i][..3].to_vec()).map(f64::from).collect();
+    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// A frame as the config wants it.

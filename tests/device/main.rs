@@ -10,4 +10,5 @@ mod indirect;
 #[path = "../gltf/make.rs"]
 #[allow(dead_code)] // The loader's tests use the rest.
 mod make;
+mod reference;
 mod repeat;

@@ -1,0 +1,23 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Shadows by rays: exact.
+#include "bvh/surface.glsl"
+#include "direct/shade.glsl"
+
+float visibility(Light light, uint layer, vec3 x, vec3 n) {
+    if (light.kind == POINT_FACE) {
+        // Each face of a point light lights what it looks at.
+        vec4 clip = light.world_to_clip * vec4(x, 1.0);
+        if (clip.w <= 0.0 || any(greaterThan(abs(clip.xy), vec2(clip.w)))) return 0.0;
+    }
+    // Beyond what a place that comes from a depth is off by.
+    vec3 from = off_surface(x + n * (2e-6 * view.it.diagonal), n);
+    bool occluded;
+    if (light.kind == DIRECTIONAL) {
+        occluded = is_occluded(make_ray(from, -light.direction), 1e30);
+    } else {
+        occluded = is_occluded(make_ray(from, light.origin - from), 1.0);
+    }
+    return occluded ? 0.0 : 1.0;
+}
