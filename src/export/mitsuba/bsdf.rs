@@ -72,7 +72,10 @@ pub fn surface(
     // Around both sides: seen from behind, a mapped normal is turned around as a whole.
     if let Some(map) = material.normal_map {
         let content = Content::Normals { scale: material.normal_scale, left_handed: kind.left_handed };
-        bsdf = Element::plugin("bsdf", "normalmap").child(textures.element("normalmap", &map, content, warnings)?).child(bsdf);
+        let map = textures.element("normalmap", &map, content, warnings)?;
+        // Ours has no function that softens where light begins to come from below the surface.
+        let soft = Element::value("boolean", "use_shadowing_function", false);
+        bsdf = Element::plugin("bsdf", "normalmap").children([map, soft, bsdf]);
     }
     Ok(Some(match opacity {
         Some(opacity) => Element::plugin("bsdf", "mask").child(opacity).child(bsdf),
