@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn a_warning_is_said_once() {
         let mut warnings = Warnings::default();
-        ["a", "b", "a"].map(|sentence| warnings.add(sentence));
+        ["a", "b", "a"].into_iter().for_each(|sentence| warnings.add(sentence));
         assert_eq!(warnings.sentences(), ["a", "b"]);
     }
 }

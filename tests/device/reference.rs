@@ -181,8 +181,12 @@ fn the_camera_looks_through_the_back_of_a_single_sided_wall_and_light_ends_there
 
 #[test]
 fn what_the_middle_of_a_pixel_shows_is_what_the_rasterizer_draws() {
-    let mut renderer = traced(builtin::atrium(&Atrium { triangles: 20_000, seed: 0 }));
-    let mut config = plain([96, 54], Vec3::new(-9.5, 2.2, -0.4), Vec3::new(8.0, 3.6, 0.0), 60.0, directional(Vec3::new(0.2, -1.0, 0.3), [5.0; 3]));
+    let mut scene = builtin::atrium(&Atrium { triangles: 20_000, seed: 0 });
+    // Leaves have other holes in the rasterizer's mips.
+    scene.materials.iter_mut().for_each(|material| material.alpha_cutoff = None);
+    let mut renderer = traced(scene);
+    let mut config =
+        plain([96, 54], Vec3::new(-9.5, 2.2, -0.4), Vec3::new(8.0, 3.6, 0.0), 60.0, directional(Vec3::new(0.2, -1.0, 0.3), [5.0; 3]));
     config.rsm.size = [64, 64];
     config.vpls.count = 64;
     let picture = picture(&mut renderer, &config);
@@ -202,8 +206,8 @@ fn what_the_middle_of_a_pixel_shows_is_what_the_rasterizer_draws() {
     }
     let (share, of_normals) = (f64::from(same) / positions.len() as f64, normals_same as f64 / f64::from(same));
     println!("{:.2} % of the pixels show the same place, {:.2} % of these the same normal", share * 100.0, of_normals * 100.0);
-    // Leaves have softer holes in the rasterizer's mips, and normal maps are filtered there.
-    assert!(share > 0.985, "only {share} of the pixels show the same place");
+    // Normal maps are filtered in the rasterizer.
+    assert!(share > 0.995, "only {share} of the pixels show the same place");
     assert!(of_normals > 0.9, "only {of_normals} of the normals are the same");
 }
 

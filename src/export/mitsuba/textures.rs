@@ -16,8 +16,8 @@ pub enum Content {
     Color([f32; 3]),
     /// One channel as data, times a factor.
     Channel(usize, f32),
-    /// 1 where its alpha times a factor reaches the cutoff, else 0.
-    Opacity { factor: f32, cutoff: f32 },
+    /// 1 where its alpha times a factor reaches the cutoff, else 0; looked up as the map is.
+    Opacity { factor: f32, cutoff: f32, wrap: [Wrap; 2], filter: Filter },
     /// Its normals with x and y scaled, and y turned where the map lies mirrored.
     Normals { scale: f32, left_handed: bool },
 }
@@ -35,7 +35,8 @@ struct Written {
     file: String,
     /// Numbers, which no curve is to be taken off.
     raw: bool,
-    filter: Filter,
+    /// Between whose texels nothing is.
+    stepped: bool,
 }
 
 impl<'a> Textures<'a> {
@@ -76,10 +77,7 @@ impl<'a> Textures<'a> {
             Wrap::MirroredRepeat => "mirror",
             Wrap::ClampToEdge => "clamp",
         };
-        let filter = match written.filter {
-            Filter::Linear => "bilinear",
-            Filter::Nearest => "nearest",
-        };
+        let filter = if written.stepped || map.filter == Filter::Nearest { "nearest" } else { "bilinear" };
         let mut element = Element::plugin("texture", "bitmap").with("name", name).children([
             Element::value("string", "filename", format!("{}/{}", Self::FOLDER, written.file)),
             Element::value("string", "wrap_mode", wrap),
@@ -106,12 +104,12 @@ impl<'a> Textures<'a> {
             Content::Normals { .. } => "-normals",
         };
         let name = self.names.unique(&format!("{}{suffix}", if texture.name.is_empty() { "texture" } else { &texture.name }));
-        let png = |raw, filter| Written { file: format!("{name}.png"), raw, filter };
+        let png = |raw, stepped| Written { file: format!("{name}.png"), raw, stepped };
         let path = |written: &Written| self.folder.join(&written.file);
         match content {
             // As it is where 8 bits hold it exactly, in floats where they would not.
             Content::Color([1.0, 1.0, 1.0]) => {
-                let written = png(!texture.srgb, map.filter);
+                let written = png(!texture.srgb, false);
                 let rgb: Vec<u8> = texels().flat_map(|texel| [texel[0], texel[1], texel[2]]).collect();
                 write_png(&path(&written), size.0, size.1, &rgb)?;
                 Ok(written)
@@ -119,20 +117,20 @@ impl<'a> Textures<'a> {
             Content::Color(factor) => {
                 let format = if texture.srgb { Format::Rgba8Srgb } else { Format::Rgba8Unorm };
                 let linear = texels().flat_map(|texel| std::array::from_fn::<f32, 3, _>(|c| format.decode(texel)[c] * factor[c]));
-                self.write_floats(&name, size, &linear.collect::<Vec<f32>>(), false, map.filter)
+                self.write_floats(&name, size, &linear.collect::<Vec<f32>>(), false)
             }
             Content::Channel(channel, 1.0) => {
-                let written = png(true, map.filter);
+                let written = png(true, false);
                 write_png(&path(&written), size.0, size.1, &texels().map(|texel| texel[channel]).collect::<Vec<u8>>())?;
                 Ok(written)
             }
             Content::Channel(channel, factor) => {
                 let scaled = texels().flat_map(|texel| [f32::from(texel[channel]) / 255.0 * factor; 3]);
-                self.write_floats(&name, size, &scaled.collect::<Vec<f32>>(), true, map.filter)
+                self.write_floats(&name, size, &scaled.collect::<Vec<f32>>(), true)
             }
-            Content::Opacity { factor, cutoff } => {
-                let written = png(true, Filter::Nearest);
-                let (width, height, pixels) = opacity(texture, map, factor, cutoff);
+            Content::Opacity { factor, cutoff, wrap, filter } => {
+                let written = png(true, true);
+                let (width, height, pixels) = opacity(texture, wrap, filter, factor, cutoff);
                 write_png(&path(&written), width, height, &pixels)?;
                 Ok(written)
             }
@@ -142,13 +140,13 @@ impl<'a> Textures<'a> {
                 let factors = [scale / most, if left_handed { -scale } else { scale } / most, 1.0 / most];
                 let component = |(byte, factor): (&u8, f32)| (f32::from(*byte) / 255.0 * 2.0 - 1.0) * factor * 0.5 + 0.5;
                 let normals = texels().flat_map(|texel| texel.iter().zip(factors).map(component));
-                self.write_floats(&name, size, &normals.collect::<Vec<f32>>(), true, map.filter)
+                self.write_floats(&name, size, &normals.collect::<Vec<f32>>(), true)
             }
         }
     }
 
-    fn write_floats(&self, name: &str, (width, height): (u32, u32), rgb: &[f32], raw: bool, filter: Filter) -> Result<Written> {
-        let written = Written { file: format!("{name}.exr"), raw, filter };
+    fn write_floats(&self, name: &str, (width, height): (u32, u32), rgb: &[f32], raw: bool) -> Result<Written> {
+        let written = Written { file: format!("{name}.exr"), raw, stepped: false };
         let layer = Layer::interleaved("", "RGB", 3, rgb, Precision::Half);
         write_exr(&self.folder.join(&written.file), width, height, vec![layer], &[])?;
         Ok(written)
@@ -157,9 +155,9 @@ impl<'a> Textures<'a> {
 
 /// Where a surface is: filtered first and cut off then, as the shaders do it, at several points a texel, since a renderer that
 /// filters what is cut off already would make rims half transparent.
-fn opacity(texture: &Texture, map: &Map, factor: f32, cutoff: f32) -> (u32, u32, Vec<u8>) {
+fn opacity(texture: &Texture, [wrap_u, wrap_v]: [Wrap; 2], filter: Filter, factor: f32, cutoff: f32) -> (u32, u32, Vec<u8>) {
     const LARGEST: u32 = 4096;
-    let points = match map.filter {
+    let points = match filter {
         Filter::Linear => (LARGEST / texture.width.max(texture.height)).clamp(1, 4),
         Filter::Nearest => 1,
     };
@@ -174,7 +172,7 @@ fn opacity(texture: &Texture, map: &Map, factor: f32, cutoff: f32) -> (u32, u32,
         at as usize
     };
     let alpha = |x: i64, y: i64| {
-        let (x, y) = (wrapped(x, texture.width, map.wrap_u), wrapped(y, texture.height, map.wrap_v));
+        let (x, y) = (wrapped(x, texture.width, wrap_u), wrapped(y, texture.height, wrap_v));
         f32::from(texture.texels[(y * texture.width as usize + x) * 4 + 3]) / 255.0
     };
     let place = |i: u32| {
@@ -199,13 +197,13 @@ mod tests {
     fn opacity_is_cut_off_between_texels_where_filtering_has_it() {
         // Alpha 0 and 1 side by side, repeated: it passes one half on the line between the texels and at the texture's border.
         let texture = Texture { name: "a".into(), width: 2, height: 1, srgb: true, texels: vec![9, 9, 9, 0, 9, 9, 9, 255] };
-        let cut = |wrap_u, filter, cutoff| opacity(&texture, &Map { wrap_u, filter, ..Map::new(0) }, 1.0, cutoff);
+        let cut = |wrap_u, filter, cutoff| opacity(&texture, [wrap_u, Wrap::Repeat], filter, 1.0, cutoff);
         let (width, height, pixels) = cut(Wrap::Repeat, Filter::Linear, 0.5);
         assert_eq!((width, height), (8, 4));
         assert_eq!(pixels[..8], [0, 0, 0, 0, 255, 255, 255, 255]);
         assert_eq!(cut(Wrap::Repeat, Filter::Linear, 0.8).2[..8], [0, 0, 0, 0, 0, 255, 255, 0]);
         assert_eq!(cut(Wrap::ClampToEdge, Filter::Linear, 0.8).2[..8], [0, 0, 0, 0, 0, 255, 255, 255]);
         assert_eq!(cut(Wrap::Repeat, Filter::Nearest, 0.8), (2, 1, vec![0, 255]));
-        assert_eq!(opacity(&texture, &Map::new(0), 0.4, 0.5).2, [0; 32], "the factor counts");
+        assert_eq!(opacity(&texture, [Wrap::Repeat; 2], Filter::Linear, 0.4, 0.5).2, [0; 32], "the factor counts");
     }
 }
