@@ -22,6 +22,7 @@ layout(scalar) readonly buffer Vertices { Vertex at[]; } vertices;
 layout(scalar) readonly buffer Indices { uint at[]; } indices;
 layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
 layout(scalar) readonly buffer Materials { Material at[]; } materials;
+uniform usampler2D bvh_masks;
 uniform sampler2DArray texels; // of all textures, one after the other
 
 struct Surface {
@@ -61,11 +62,10 @@ float neighbour(float i, float size, uint wrap) {
 }
 
 // A texture where the rasterizer would look it up, from the finest mip: sharper than that, and as sharp from everywhere.
-vec4 look_up(TexelMap map, MapUse use, vec2 uv) {
+vec4 look_up_at(TexelMap map, vec2 p) {
     if (map.size == 0u) return vec4(1.0);
     vec2 size = vec2(map.size & 0xffffu, map.size >> 16);
     uint across = map.how & 3u, down = (map.how >> 2) & 3u;
-    vec2 p = use.matrix * uv + use.offset;
     p = vec2(wrapped(p.x, across), wrapped(p.y, down)) * size;
     if ((map.how & NEAREST_TEXEL) != 0u) return decoded(map, min(floor(p), size - 1.0));
     p -= 0.5;
@@ -76,6 +76,8 @@ vec4 look_up(TexelMap map, MapUse use, vec2 uv) {
     vec4 below = mix(decoded(map, vec2(a.x, b.y)), decoded(map, b), part.x);
     return mix(above, below, part.y);
 }
+
+vec4 look_up(TexelMap map, MapUse use, vec2 uv) { return look_up_at(map, use.matrix * uv + use.offset); }
 
 struct Corners {
     uvec3 vertex;
@@ -101,18 +103,19 @@ vec4 color_at(Corners corners, vec3 weights) {
          + weights.z * unpackUnorm4x8(vertices.at[corners.vertex.z].color);
 }
 
-bool is_hole(uint triangle, vec2 barycentric) {
-    Corners corners = corners_of(triangle_texel(3u * triangle), triangle_texel(3u * triangle + 1u));
+bool is_hole(uint mask, vec2 barycentric) {
+    // See src/scene/bvh.rs.
+    uint i = 3u * mask;
+    uvec4 a = texelFetch(bvh_masks, ivec2(i & 4095u, i >> 12), 0);
+    uvec4 b = texelFetch(bvh_masks, ivec2((i + 1u) & 4095u, (i + 1u) >> 12), 0);
+    uvec4 c = texelFetch(bvh_masks, ivec2((i + 2u) & 4095u, (i + 2u) >> 12), 0);
     vec3 weights = vec3(1.0 - barycentric.x - barycentric.y, barycentric);
-    float alpha = materials.at[corners.material].base_color.a;
-    if (VERTEX_COLORS) alpha *= color_at(corners, weights).a;
-    if (BASE_COLOR_MAPS) {
-        TexelMap map = materials.at[corners.material].base_color_texels;
-        // Alpha has no curve.
-        map.how &= ~SRGB_TEXELS;
-        alpha *= look_up(map, materials.at[corners.material].base_color_map, uv_at(corners, weights)).a;
-    }
-    return alpha < materials.at[corners.material].alpha_cutoff;
+    vec2 place = weights.x * uintBitsToFloat(a.xy) + weights.y * uintBitsToFloat(a.zw) + weights.z * uintBitsToFloat(b.xy);
+    float alpha = uintBitsToFloat(c.y);
+    if (VERTEX_COLORS) alpha *= dot(weights, unpackUnorm4x8(c.z).xyz);
+    // Alpha has no curve.
+    if (BASE_COLOR_MAPS) alpha *= look_up_at(TexelMap(b.z, b.w, c.x & ~SRGB_TEXELS), place).a;
+    return alpha < uintBitsToFloat(c.w);
 }
 
 // The nearest surface from t_min on.
@@ -120,6 +123,13 @@ Hit nearest(Ray ray, float t_min, bool from_camera) { return traverse(ray, t_min
 
 // Whether a surface lies on a ray before t_max.
 bool is_occluded(Ray ray, float t_max) { return traverse(ray, 0.0, t_max, true, false).triangle != NO_TRIANGLE; }
+
+// Radiance that a material emits at a place of its textures.
+vec3 emission_at(uint material, vec2 uv) {
+    vec3 emission = materials.at[material].emission;
+    if (EMISSION_MAPS) emission *= look_up(materials.at[material].emission_texels, materials.at[material].emission_map, uv).rgb;
+    return emission;
+}
 
 // All of a hit.
 Surface surface_at(Ray ray, Hit hit) {
@@ -177,9 +187,8 @@ Surface surface_at(Ray ray, Hit hit) {
     s.emission = vec3(0.0);
     s.emitter_density = 0.0;
     if (EMISSION && (s.front || s.double_sided)) {
-        s.emission = materials.at[m].emission;
+        s.emission = emission_at(m, uv);
         s.emitter_density = materials.at[m].emitter_density;
-        if (EMISSION_MAPS) s.emission *= look_up(materials.at[m].emission_texels, materials.at[m].emission_map, uv).rgb;
     }
     return s;
 }

@@ -1,6 +1,6 @@
 // Rays through the bounding volume hierarchy of src/scene/bvh.rs. Whoever includes it defines
-//     bool is_hole(uint triangle, vec2 weights);
-// whether a triangle whose material is masked has a hole at barycentric weights of its second and third corner.
+//     bool is_hole(uint mask, vec2 weights);
+// whether the masked triangle of that mask has a hole at barycentric weights of its second and third corner.
 #include "lib/ray.glsl"
 
 layout(constant_id = 105) const bool MASKS = true;        // whether the scene has masked materials
@@ -25,6 +25,7 @@ const uint DONE = 0xffffffffu;
 
 const uint MASKED = 1u;
 const uint SINGLE_SIDED = 2u;
+const uint MASK_SHIFT = 2u;
 
 struct Hit {
     float t;         // in units of the ray's direction
@@ -32,7 +33,7 @@ struct Hit {
     vec2 weights;    // barycentric, of the second and the third corner
 };
 
-bool is_hole(uint triangle, vec2 weights);
+bool is_hole(uint mask, vec2 weights);
 
 uvec4 node_texel(uint i) { return texelFetch(bvh_nodes, ivec2(i & 4095u, i >> 12), 0); }
 uvec4 triangle_texel(uint i) { return texelFetch(bvh_triangles, ivec2(i & 4095u, i >> 12), 0); }
@@ -70,22 +71,36 @@ Hit traverse(Ray ray, float t_min, float t_max, bool any, bool from_camera) {
                 top = max(top, 1u) - 1u;
             }
         }
-        if (at != DONE) {
-            uint first = at & ((1u << COUNT_SHIFT) - 1u), count = ((at >> COUNT_SHIFT) & 7u) + 1u;
-            for (uint i = first; i < first + count; i++) {
-                vec3 a = uintBitsToFloat(triangle_texel(3u * i).xyz);
-                vec3 b = uintBitsToFloat(triangle_texel(3u * i + 1u).xyz);
-                uvec4 last = triangle_texel(3u * i + 2u);
-                bool front;
-                vec3 found = hit_triangle(ray, a, b, uintBitsToFloat(last.xyz), front);
-                bool met = found.x >= t_min && (found.x < hit.t || (found.x == hit.t && i < hit.triangle));
-                if (SINGLE_SIDES) met = met && (front || !from_camera || (last.w & SINGLE_SIDED) == 0u);
-                if (MASKS && met && (last.w & MASKED) != 0u) met = !is_hole(i, found.yz);
-                if (met) hit = Hit(found.x, i, found.yz);
+        // A masked triangle that is met ends the look at the leaf, so that the look at its texture stands once for all of them.
+        uint i = at & ((1u << COUNT_SHIFT) - 1u), end = at == DONE ? i : i + ((at >> COUNT_SHIFT) & 7u) + 1u;
+        Hit masked = Hit(0.0, NO_TRIANGLE, vec2(0.0));
+        uint mask = 0u;
+        while (i < end && masked.triangle == NO_TRIANGLE) {
+            vec3 a = uintBitsToFloat(triangle_texel(3u * i).xyz);
+            vec3 b = uintBitsToFloat(triangle_texel(3u * i + 1u).xyz);
+            uvec4 last = triangle_texel(3u * i + 2u);
+            bool front;
+            vec3 found = hit_triangle(ray, a, b, uintBitsToFloat(last.xyz), front);
+            bool met = found.x >= t_min && (found.x < hit.t || (found.x == hit.t && i < hit.triangle));
+            if (SINGLE_SIDES) met = met && (front || !from_camera || (last.w & SINGLE_SIDED) == 0u);
+            bool is_masked = false;
+            if (MASKS) is_masked = (last.w & MASKED) != 0u;
+            if (met && is_masked) {
+                masked = Hit(found.x, i, found.yz);
+                mask = last.w >> MASK_SHIFT;
+            } else if (met) {
+                hit = Hit(found.x, i, found.yz);
             }
+            i++;
+        }
+        if (MASKS && masked.triangle != NO_TRIANGLE && !is_hole(mask, masked.weights)) hit = masked;
+        if (any && hit.triangle != NO_TRIANGLE) {
+            at = DONE;
+        } else if (i < end) {
+            at = LEAF | (end - i - 1u) << COUNT_SHIFT | i;
+        } else {
             at = top > 0u ? stack[top - 1u] : DONE;
             top = max(top, 1u) - 1u;
-            if (any && hit.triangle != NO_TRIANGLE) at = DONE;
         }
     }
     return hit;

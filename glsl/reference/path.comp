@@ -119,11 +119,16 @@ vec3 sample_emitters(Surface s, vec3 v, vec3 u, out vec3 to_light, out float dis
     distance = length(way);
     if (distance <= 0.0) return vec3(0.0);
     to_light = way / distance;
-    Surface emitter = surface_at(make_ray(s.position, to_light), Hit(distance, triangle, weights));
-    float cosine = dot(emitter.geometric_normal, -to_light);
-    if (cosine <= 0.0 || emitter.emitter_density <= 0.0) return vec3(0.0);
-    float light_density = params.emitter_chance * emitter.emitter_density * distance * distance / cosine;
-    return emitter.emission * reflected(s, to_light, v) / light_density * share(light_density, density(s, to_light, v));
+    vec3 face = cross(b - a, c - a);
+    float cosine = -dot(face, to_light) / length(face);
+    if ((tc.w & SINGLE_SIDED) == 0u) cosine = abs(cosine);
+    Corners corners = corners_of(ta, tb);
+    vec2 uv = vec2(0.0);
+    if (EMISSION_MAPS) uv = uv_at(corners, vec3(1.0 - weights.x - weights.y, weights));
+    float emitter_density = materials.at[corners.material].emitter_density;
+    if (cosine <= 0.0 || emitter_density <= 0.0) return vec3(0.0);
+    float light_density = params.emitter_chance * emitter_density * distance * distance / cosine;
+    return emission_at(corners.material, uv) * reflected(s, to_light, v) / light_density * share(light_density, density(s, to_light, v));
 }
 
 void main() {
@@ -142,6 +147,9 @@ void main() {
     float came_with = 0.0; // density of the direction that the path came by; 0 from the camera
     uint traced = 0u;
     bool met = false;
+    // What the surface before gathers, until the way on from it has shown whether something shines there.
+    vec3 gathered = vec3(0.0);
+    int gatherer = -1;
     for (uint k = 0u; k <= params.bounces + 1u; k++) {
         // The last round only looks for what shines by itself.
         if (k == params.bounces + 1u && without(either(EMISSION, ENVIRONMENT))) break;
@@ -150,10 +158,8 @@ void main() {
         if (hit.triangle == NO_TRIANGLE) {
             vec3 found = throughput * params.environment;
             radiance += found;
-            if (ENVIRONMENT && k > 0u) {
-                add(pixel, DIRECT + int(k) - 1, vec4(found, 0.0));
-                if (k > 1u) irradiance += to_irradiance * params.environment;
-            }
+            if (ENVIRONMENT && k > 0u) gathered += found;
+            if (ENVIRONMENT && k > 1u) irradiance += to_irradiance * params.environment;
             break;
         }
         Surface s = surface_at(ray, hit);
@@ -166,13 +172,16 @@ void main() {
             }
             vec3 found = throughput * s.emission * mine;
             radiance += found;
-            if (k > 0u) add(pixel, DIRECT + int(k) - 1, vec4(found, 0.0));
+            if (k > 0u) gathered += found;
             if (k > 1u) irradiance += to_irradiance * s.emission * mine;
         }
         if (k == 0u) {
             met = true;
             first_albedo = s.albedo;
         }
+        if (gatherer >= 0) add(pixel, DIRECT + gatherer, vec4(gathered, 0.0));
+        gathered = vec3(0.0);
+        gatherer = -1;
         // Light ends at the back of a single-sided surface.
         if (k == params.bounces + 1u || (!s.front && !s.double_sided)) break;
         if (k > 0u && params.squared_min_distance > 0.0) {
@@ -181,6 +190,7 @@ void main() {
             to_irradiance *= bound;
         }
 
+        gatherer = int(k);
         vec3 from = off_surface(s.position, s.geometric_normal);
         vec4 choice = random(number, params.sample_index, 2u * k + 1u, params.seed);
         vec3 to_light = s.normal, found = vec3(0.0);
@@ -196,7 +206,7 @@ void main() {
             vec3 way = distance < 1e29 ? s.position + to_light * distance - from : to_light;
             if (!is_occluded(make_ray(from, way), distance < 1e29 ? 0.9999 : 1e30)) {
                 radiance += throughput * found;
-                add(pixel, DIRECT + int(k), vec4(throughput * found, 0.0));
+                gathered = throughput * found;
                 if (k > 0u) irradiance += to_irradiance * found;
             }
         }
@@ -225,6 +235,8 @@ void main() {
         ray = make_ray(from, l);
         t_min = 0.0;
     }
+
+    if (gatherer >= 0) add(pixel, DIRECT + gatherer, vec4(gathered, 0.0));
 
     vec4 before = imageLoad(sums, ivec3(pixel, RADIANCE)), after = before + vec4(radiance, float(met));
     add(pixel, RADIANCE, vec4(radiance, float(met)));

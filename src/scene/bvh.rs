@@ -3,8 +3,9 @@
 //! The tree is built by a crate (PLOC with reinsertion); here it becomes records of 16-byte texels. Images hold them, since a
 //! software driver fetches a texel of four words at about the cost of one word of a storage buffer.
 
-use super::{Material, Scene};
-use glam::{Affine3A, Vec3, Vec3A};
+use super::traced::{first_texels, texel_map};
+use super::{Map, Material, Scene};
+use glam::{Affine3A, Vec2, Vec3, Vec3A};
 use obvhs::aabb::Aabb as BuildAabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::ploc::{PlocSearchDistance, SortPrecision};
@@ -16,7 +17,7 @@ use std::time::Duration;
 const LEAF: u32 = 1 << 31;
 const COUNT_SHIFT: u32 = 28;
 /// Triangles of a leaf; they must fit between [`LEAF`] and [`COUNT_SHIFT`].
-const MOST_IN_LEAF: u32 = 4;
+const MOST_IN_LEAF: u32 = 2;
 /// Triangles that links can number.
 pub const MOST_TRIANGLES: u64 = 1 << COUNT_SHIFT;
 /// The traversal's stack: [`Bvh::depth`] is never more, or the tree is built again in a plainer way.
@@ -28,7 +29,13 @@ pub mod flags {
     pub const MASKED: u32 = 1;
     /// Its back is no surface to the camera, and ends light.
     pub const SINGLE_SIDED: u32 = 2;
+    /// Above these bits: the number of a masked triangle's [`super::Mask`].
+    pub const MASK_SHIFT: u32 = 2;
 }
+
+/// What tells the holes of a masked triangle: the places of its corners in the texture (two numbers each), the texture's words
+/// ([`super::traced::texel_map`]), the factor and the corners' own alpha (a byte each), and the cutoff.
+pub type Mask = [u32; 12];
 
 /// Two children of a node: boxes on a grid of 2^16 cells a side, 6 words, and links.
 ///
@@ -50,6 +57,8 @@ pub struct Bvh {
     pub nodes: Vec<Node>,
     /// In the order of the leaves. A triangle is in one leaf alone.
     pub triangles: Vec<Triangle>,
+    /// Of the masked triangles.
+    pub masks: Vec<Mask>,
     /// Nodes on the longest way down.
     pub depth: usize,
 }
@@ -87,7 +96,26 @@ impl Bvh {
             tree = build_bvh2(&corners, BvhBuildParams { reinsertion_batch_ratio: 0.0, ..PARAMETERS }, &mut Duration::default());
         }
         drop(corners);
-        lay_out(&tree, &records)
+        let mut bvh = lay_out(&tree, &records);
+        bvh.add_masks(scene);
+        bvh
+    }
+
+    fn add_masks(&mut self, scene: &Scene) {
+        let first = first_texels(scene);
+        for record in self.triangles.iter_mut().filter(|record| record[11] & flags::MASKED != 0) {
+            let draw = &scene.draws[record[3] as usize];
+            let material = &scene.materials[draw.material as usize];
+            let corner = |k: u32| &scene.vertices[(draw.vertex_offset + scene.indices[(record[7] + k) as usize]) as usize];
+            let corners = [corner(0), corner(1), corner(2)];
+            let map = material.base_color_map.unwrap_or_else(|| Map::new(0));
+            let [a, b, c] = corners.map(|vertex| (map.matrix * Vec2::from(vertex.uv) + map.offset).to_array().map(f32::to_bits));
+            let [texel, size, how] = texel_map(material.base_color_map, scene, &first);
+            let alpha = corners.iter().enumerate().fold(0, |word, (k, vertex)| word | (vertex.color >> 24) << (8 * k));
+            let (factor, cutoff) = (material.base_color[3].to_bits(), material.alpha_cutoff.unwrap_or(0.0).to_bits());
+            record[11] |= (self.masks.len() as u32) << flags::MASK_SHIFT;
+            self.masks.push([a[0], a[1], b[0], b[1], c[0], c[1], texel, size, how, factor, alpha, cutoff]);
+        }
     }
 }
 
@@ -95,8 +123,8 @@ const PARAMETERS: BvhBuildParams = BvhBuildParams {
     pre_split: false,
     ploc_search_distance: PlocSearchDistance::Low,
     search_depth_threshold: 2,
-    reinsertion_batch_ratio: 0.02,
-    post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
+    reinsertion_batch_ratio: 0.3,
+    post_collapse_reinsertion_batch_ratio_multiplier: 1.0,
     sort_precision: SortPrecision::U64,
     max_prims_per_leaf: MOST_IN_LEAF,
     collapse_traversal_cost: 1.0,

@@ -1,4 +1,4 @@
-//! A scene's bounding volume hierarchy on the device: two images of four words a texel, and the grid that its boxes lie on.
+//! A scene's bounding volume hierarchy on the device: images of four words a texel, and the grid that its boxes lie on.
 
 use super::bvh::{Bvh, MOST_TRIANGLES};
 use crate::fail;
@@ -26,6 +26,7 @@ pub struct DeviceBvh {
     data: BvhData,
     nodes: (ImageId, [u32; 2]),
     triangles: (ImageId, [u32; 2]),
+    masks: (ImageId, [u32; 2]),
 }
 
 /// The hierarchy in one frame's graph.
@@ -35,6 +36,7 @@ pub struct BvhHandles {
     pub data: Buffer,
     pub nodes: Image,
     pub triangles: Image,
+    pub masks: Image,
 }
 
 impl DeviceBvh {
@@ -43,7 +45,8 @@ impl DeviceBvh {
         let data = BvhData { origin: bvh.origin.into(), padding0: 0.0, cell: bvh.cell.into(), padding1: 0.0 };
         let nodes = upload(gpu, name, "scene/bvh-nodes", bytemuck::cast_slice(&bvh.nodes))?;
         let triangles = upload(gpu, name, "scene/bvh-triangles", bytemuck::cast_slice(&bvh.triangles))?;
-        Ok(Self { data, nodes, triangles })
+        let masks = upload(gpu, name, "scene/bvh-masks", bytemuck::cast_slice(&bvh.masks))?;
+        Ok(Self { data, nodes, triangles, masks })
     }
 
     /// The hierarchy as this frame's resources.
@@ -52,6 +55,7 @@ impl DeviceBvh {
             data: g.upload("bvh", &[self.data]),
             nodes: g.import_image("scene/bvh-nodes", self.nodes.0, Format::Rgba32Uint, self.nodes.1, 1),
             triangles: g.import_image("scene/bvh-triangles", self.triangles.0, Format::Rgba32Uint, self.triangles.1, 1),
+            masks: g.import_image("scene/bvh-masks", self.masks.0, Format::Rgba32Uint, self.masks.1, 1),
         }
     }
 }

@@ -111,6 +111,7 @@ impl<'g> ComputePass<'g> {
         self.reads("bvh", scene.bvh.data)
             .reads("bvh_nodes", scene.bvh.nodes)
             .reads("bvh_triangles", scene.bvh.triangles)
+            .reads("bvh_masks", scene.bvh.masks)
             .reads("vertices", scene.scene.vertices)
             .reads("indices", scene.scene.indices)
             .reads("draws", scene.scene.draws)

@@ -20,7 +20,7 @@ const SHADER: &str = "#version 460
 layout(local_size_x = 64) in;
 layout(scalar) readonly buffer Rays { vec4 at[]; } rays;
 layout(scalar) writeonly buffer Hits { vec4 at[]; } hits;
-bool is_hole(uint triangle, vec2 weights) { return false; }
+bool is_hole(uint mask, vec2 weights) { return false; }
 void main() {
     uint i = gl_GlobalInvocationID.x;
     if (2u * i >= uint(rays.at.length())) return;
