@@ -33,7 +33,7 @@ pub struct Frame {
 /// Many-light global illumination, one slot a line.
 pub fn frame(g: &mut Graph, scene: &DeviceScene, traced: Option<&TracedScene>, view: &View, lighting: &Lighting, config: &Config) -> Frame {
     let handles = scene.import(g);
-    let traced = traced.map(|traced| traced.import(g, handles));
+    let traced = traced.map(|traced| traced.import(g));
     let gbuffer = gbuffer::draw(g, scene, handles, view);
     let rsm = rsm::draw(g, scene, handles, &lighting.projectors, config.rsm.size, config.vpls.count);
     let vpls = vpls::sample(g, &rsm, &gbuffer, &config.vpls);

@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Shadows by rays: exact.
-#include "bvh/surface.glsl"
+#include "bvh/hole.glsl"
 #include "direct/shade.glsl"
 
 float visibility(Light light, uint layer, vec3 x, vec3 n) {

@@ -10,9 +10,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const bool GLOSSY_DIELECTRIC = false;
 layout(constant_id = 1) const uint LIGHT_KIND = 4; // of all lights, or MIXED
-#ifndef SURFACE_GLSL
-layout(constant_id = 107) const bool METALS = true; // whether the scene has any
-#endif
+layout(constant_id = 2) const bool METALS = true;  // whether the scene has any
 
 layout(scalar, push_constant) uniform Params {
     uint lights;

@@ -122,13 +122,12 @@ vec3 sample_emitters(Surface s, vec3 v, vec3 u, out vec3 to_light, out float dis
     vec3 face = cross(b - a, c - a);
     float cosine = -dot(face, to_light) / length(face);
     if ((tc.w & SINGLE_SIDED) == 0u) cosine = abs(cosine);
-    Corners corners = corners_of(ta, tb);
-    vec2 uv = vec2(0.0);
-    if (EMISSION_MAPS) uv = uv_at(corners, vec3(1.0 - weights.x - weights.y, weights));
-    float emitter_density = materials.at[corners.material].emitter_density;
+    uvec4 ca = corner_texel(3u * triangle), cb = corner_texel(3u * triangle + 1u), cc = corner_texel(3u * triangle + 2u);
+    vec2 uv = (1.0 - weights.x - weights.y) * uintBitsToFloat(ca.yz) + weights.x * uintBitsToFloat(cb.yz) + weights.y * uintBitsToFloat(cc.yz);
+    float emitter_density = material_numbers(ta.w, 1u).w;
     if (cosine <= 0.0 || emitter_density <= 0.0) return vec3(0.0);
     float light_density = params.emitter_chance * emitter_density * distance * distance / cosine;
-    return emission_at(corners.material, uv) * reflected(s, to_light, v) / light_density * share(light_density, density(s, to_light, v));
+    return emission_at(ta.w, uv) * reflected(s, to_light, v) / light_density * share(light_density, density(s, to_light, v));
 }
 
 void main() {

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Shadow rays between pixels and virtual point lights: an invocation traces those of one pixel and 32 VPLs. Pixels share the VPLs
 // out as in glsl/gather/per-pixel.glsl.
-#include "bvh/surface.glsl"
+#include "bvh/hole.glsl"
 #include "lib/view.glsl"
 #include "lib/vpl.glsl"
 

@@ -324,21 +324,22 @@ impl Gpu {
         Ok(id)
     }
 
-    /// An image without mips that holds `texels`, row by row, layer by layer; shaders may store to it where `storage`.
+    /// An image without mips that holds `texels`, row by row, layer by layer, and nothing in particular where they end; shaders may
+    /// store to it where `storage`.
     pub fn create_filled_image(&mut self, name: &str, format: Format, size: [u32; 3], texels: &[u8], storage: bool) -> Result<ImageId> {
         /// Staged at a time, as in [`Self::create_filled_buffer`].
         const CHUNK: usize = 32 << 20;
         let [width, height, layers] = size;
         let row = width as usize * format.texel_bytes();
-        assert_eq!(texels.len(), row * height as usize * layers as usize, "{name}: texels that do not fill {width}x{height}x{layers}");
+        assert!(texels.len() <= row * height as usize * layers as usize, "{name}: more texels than {width}x{height}x{layers} hold");
         let desc = ImageDesc { format, width, height, layers, mips: 1, attachment: false, storage };
         let id = self.create_images(&[(name, desc)])?[0];
         let rows = (CHUNK / row).clamp(1, height as usize);
-        let staging = self.create_upload_buffer("staging", &texels[..rows * row])?;
+        let staging = self.create_upload_buffer("staging", &vec![0; rows * row])?;
         for (layer, texels) in texels.chunks(row * height as usize).enumerate() {
             for (i, chunk) in texels.chunks(rows * row).enumerate() {
                 self.write_upload_buffer(staging, chunk);
-                let (first, count) = ((i * rows) as u32, (chunk.len() / row) as u32);
+                let (first, count) = ((i * rows) as u32, chunk.len().div_ceil(row) as u32);
                 self.submit(name, |commands| commands.copy_buffer_to_image_rows(staging, id, layer as u32, first, count))?;
             }
         }

@@ -171,8 +171,7 @@ impl Tracer {
     fn rows(&self, renderer: &mut Renderer, execution: &Execution, first_row: u32, rows: u32) -> Result<(u64, f64)> {
         let mut g = Graph::new();
         let Some(traced) = renderer.traced_scene() else { unreachable!("the scene was brought without what rays need") };
-        let handles = renderer.device_scene().import(&mut g);
-        let scene = traced.import(&mut g, handles);
+        let scene = traced.import(&mut g);
         let mut lights = vec![Projector::zeroed(); Projector::MAX];
         lights[..self.lights.len()].copy_from_slice(&self.lights);
         let lights = g.upload("lights", &lights);
@@ -182,6 +181,7 @@ impl Tracer {
         let sums = g.keep_image("reference/sums", self.sums, Format::Rgba32Float, size, layers);
         g.compute("reference/path")
             .traces(&scene)
+            .shades(&scene)
             .reads("view", view)
             .reads("lights", lights)
             .reads("emitters", scene.emitters)
@@ -226,14 +226,14 @@ impl Tracer {
     pub fn features(&self, renderer: &mut Renderer) -> Result<Features> {
         let mut g = Graph::new();
         let Some(traced) = renderer.traced_scene() else { unreachable!("the scene was brought without what rays need") };
-        let handles = renderer.device_scene().import(&mut g);
-        let scene = traced.import(&mut g, handles);
+        let scene = traced.import(&mut g);
         let view = g.upload("view", &[self.view]);
         let (size, _) = self.sums_size();
         let normals = g.image("reference/normals", Format::Rgba32Float, size);
         let positions = g.image("reference/positions", Format::Rgba32Float, size);
         g.compute("reference/features")
             .traces(&scene)
+            .shades(&scene)
             .reads("view", view)
             .writes("normals_and_distances", normals)
             .writes("positions", positions)

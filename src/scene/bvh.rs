@@ -4,8 +4,8 @@
 //! software driver fetches a texel of four words at about the cost of one word of a storage buffer.
 
 use super::traced::{first_texels, texel_map};
-use super::{Map, Material, Scene};
-use glam::{Affine3A, Vec2, Vec3, Vec3A};
+use super::{Map, Material, Scene, Vertex, pack};
+use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 use obvhs::aabb::Aabb as BuildAabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::ploc::{PlocSearchDistance, SortPrecision};
@@ -43,9 +43,12 @@ pub type Mask = [u32; 12];
 /// other four words are the second child's. A link is a node's number, or [`LEAF`] with count - 1 and first triangle.
 pub type Node = [u32; 8];
 
-/// Three corners in the world, each with a word after it: the draw, the position of the triangle's first index in the scene's
-/// index array, and [`flags`].
+/// Three corners in the world, each with a word after it: the material, nothing, and [`flags`].
 pub type Triangle = [u32; 12];
+
+/// What the three corners look like, four words each: normal in the world ([`pack::octahedral_snorm16`]), texture coordinates, and
+/// tangent in the world ([`pack::tangent`]).
+pub type Corners = [u32; 12];
 
 /// See the module's page.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -57,15 +60,19 @@ pub struct Bvh {
     pub nodes: Vec<Node>,
     /// In the order of the leaves. A triangle is in one leaf alone.
     pub triangles: Vec<Triangle>,
+    /// Of the same triangles.
+    pub corners: Vec<Corners>,
+    /// Of the same triangles: their corners' colours ([`pack::unorm8x4`]) and nothing. Empty where all are white.
+    pub colors: Vec<[u32; 4]>,
     /// Of the masked triangles.
     pub masks: Vec<Mask>,
     /// Nodes on the longest way down.
     pub depth: usize,
 }
 
-struct Corners([Vec3A; 3]);
+struct Bounded([Vec3A; 3]);
 
-impl Boundable for Corners {
+impl Boundable for Bounded {
     fn aabb(&self) -> BuildAabb {
         BuildAabb::from_points(&self.0)
     }
@@ -77,6 +84,7 @@ impl Bvh {
         let mut records: Vec<Triangle> = Vec::with_capacity(scene.triangle_count() as usize);
         for (number, draw) in scene.draws.iter().enumerate() {
             let flags = material_flags(&scene.materials[draw.material as usize]);
+            // The draw and the first index stand in the first two words until what the corners look like is known.
             let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
             let record = |(i, triangle): (usize, &[u32])| {
                 let corner = |k: usize| world(&draw.transform, scene.vertices[(draw.vertex_offset + triangle[k]) as usize].position);
@@ -89,7 +97,7 @@ impl Bvh {
         if records.is_empty() {
             return Self { nodes: vec![NOTHING], ..Self::default() };
         }
-        let corners: Vec<Corners> = records.par_iter().map(|record| Corners(corners(record))).collect();
+        let corners: Vec<Bounded> = records.par_iter().map(|record| Bounded(corners(record))).collect();
         let mut tree = build_bvh2(&corners, PARAMETERS, &mut Duration::default());
         if tree.depth(0) > STACK - 2 {
             // A chain of boxes in boxes, which only the optimisation of a strange scene makes.
@@ -97,26 +105,67 @@ impl Bvh {
         }
         drop(corners);
         let mut bvh = lay_out(&tree, &records);
-        bvh.add_masks(scene);
+        drop((tree, records));
+        bvh.add_looks(scene);
         bvh
     }
 
-    fn add_masks(&mut self, scene: &Scene) {
-        let first = first_texels(scene);
-        for record in self.triangles.iter_mut().filter(|record| record[11] & flags::MASKED != 0) {
+    /// What the triangles look like, in their final order.
+    fn add_looks(&mut self, scene: &Scene) {
+        let look = |record: &Triangle| {
             let draw = &scene.draws[record[3] as usize];
-            let material = &scene.materials[draw.material as usize];
-            let corner = |k: u32| &scene.vertices[(draw.vertex_offset + scene.indices[(record[7] + k) as usize]) as usize];
-            let corners = [corner(0), corner(1), corner(2)];
-            let map = material.base_color_map.unwrap_or_else(|| Map::new(0));
-            let [a, b, c] = corners.map(|vertex| (map.matrix * Vec2::from(vertex.uv) + map.offset).to_array().map(f32::to_bits));
-            let [texel, size, how] = texel_map(material.base_color_map, scene, &first);
-            let alpha = corners.iter().enumerate().fold(0, |word, (k, vertex)| word | (vertex.color >> 24) << (8 * k));
-            let (factor, cutoff) = (material.base_color[3].to_bits(), material.alpha_cutoff.unwrap_or(0.0).to_bits());
-            record[11] |= (self.masks.len() as u32) << flags::MASK_SHIFT;
-            self.masks.push([a[0], a[1], b[0], b[1], c[0], c[1], texel, size, how, factor, alpha, cutoff]);
+            let linear = draw.transform.matrix3;
+            // The cofactor matrix carries normals through any scale; its sign is the transform's own.
+            let cofactor = Mat3A::from_cols(
+                linear.y_axis.cross(linear.z_axis),
+                linear.z_axis.cross(linear.x_axis),
+                linear.x_axis.cross(linear.y_axis),
+            );
+            let orientation = if linear.x_axis.dot(cofactor.x_axis) < 0.0 { -1.0 } else { 1.0 };
+            let mut words = [0; 12];
+            for (k, vertex) in corner_vertices(scene, record).into_iter().enumerate() {
+                let normal = cofactor * Vec3A::from(pack::octahedral_snorm16_inverse(vertex.normal)) * orientation;
+                let (tangent, handedness) = pack::tangent_inverse(vertex.tangent);
+                let tangent = Vec3::from(linear * Vec3A::from(tangent)).normalize_or(Vec3::X);
+                let normal = pack::octahedral_snorm16(Vec3::from(normal).normalize_or(Vec3::Y));
+                let [u, v] = vertex.uv.map(f32::to_bits);
+                words[4 * k..][..4].copy_from_slice(&[normal, u, v, pack::tangent(tangent, handedness)]);
+            }
+            words
+        };
+        self.corners = self.triangles.par_iter().map(look).collect();
+        if scene.vertices.iter().any(|vertex| vertex.color != u32::MAX) {
+            let colors = |record: &Triangle| {
+                let [a, b, c] = corner_vertices(scene, record).map(|vertex| vertex.color);
+                [a, b, c, 0]
+            };
+            self.colors = self.triangles.par_iter().map(colors).collect();
+        }
+        let first = first_texels(scene);
+        for record in &mut self.triangles {
+            let material = scene.draws[record[3] as usize].material;
+            if record[11] & flags::MASKED != 0 {
+                record[11] |= (self.masks.len() as u32) << flags::MASK_SHIFT;
+                self.masks.push(mask(scene, record, &scene.materials[material as usize], &first));
+            }
+            (record[3], record[7]) = (material, 0);
         }
     }
+}
+
+fn corner_vertices<'s>(scene: &'s Scene, record: &Triangle) -> [&'s Vertex; 3] {
+    let (draw, first) = (&scene.draws[record[3] as usize], record[7] as usize);
+    [0, 1, 2].map(|k| &scene.vertices[(draw.vertex_offset + scene.indices[first + k]) as usize])
+}
+
+fn mask(scene: &Scene, record: &Triangle, material: &Material, first: &[u32]) -> Mask {
+    let corners = corner_vertices(scene, record);
+    let map = material.base_color_map.unwrap_or_else(|| Map::new(0));
+    let [a, b, c] = corners.map(|vertex| (map.matrix * Vec2::from(vertex.uv) + map.offset).to_array().map(f32::to_bits));
+    let [texel, size, how] = texel_map(material.base_color_map, scene, first);
+    let alpha = corners.iter().enumerate().fold(0, |word, (k, vertex)| word | (vertex.color >> 24) << (8 * k));
+    let (factor, cutoff) = (material.base_color[3].to_bits(), material.alpha_cutoff.unwrap_or(0.0).to_bits());
+    [a[0], a[1], b[0], b[1], c[0], c[1], texel, size, how, factor, alpha, cutoff]
 }
 
 const PARAMETERS: BvhBuildParams = BvhBuildParams {

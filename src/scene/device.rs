@@ -4,8 +4,7 @@
 //! one indirect draw, with its numbers and its maps bound once and the shader specialised to what it has. That is what makes
 //! them uniform to the shader: on a software driver, a fifth of a map's time.
 
-use super::traced::{emitter_densities, first_texels, texel_map};
-use super::{Aabb, Draw, Filter, Map, Material, Scene, Vertex, Wrap};
+use super::{Aabb, Draw, Filter, Map, Material, Scene, Wrap};
 use crate::fail;
 use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, Wrapping};
 use crate::graph::{Buffer, DrawList, Graph, ListBlock};
@@ -20,7 +19,6 @@ shader_struct! {
         /// Three axes and the translation, one after the other.
         pub transform: [[f32; 3]; 4],
         pub material: u32,
-        pub vertex_offset: u32,
     }
 
     /// `VkDrawIndexedIndirectCommand`; the first instance is the draw's number.
@@ -46,15 +44,8 @@ shader_struct! {
         pub metallic_roughness_map: [f32; 7],
         pub emission_map: [f32; 7],
         pub normal_map: [f32; 7],
-        /// The same maps for [`super::traced`].
-        pub base_color_texels: [u32; 3],
-        pub metallic_roughness_texels: [u32; 3],
-        pub emission_texels: [u32; 3],
-        pub normal_texels: [u32; 3],
-        /// Also for it: 1/m^2.
-        pub emitter_density: f32,
         /// To 256 bytes, so that each can be bound as a uniform block on every device.
-        pub padding: [u32; 11],
+        pub padding: [u32; 24],
     }
 }
 
@@ -116,8 +107,7 @@ pub struct DeviceScene {
     vertices: BufferId,
     indices: BufferId,
     draws: BufferId,
-    /// Of vertices, indices, draws and materials.
-    counts: [u32; 4],
+    draw_count: u32,
     materials: BufferId,
     arrays: Vec<ImageId>,
     /// One white texel, for maps that a bucket does not have.
@@ -129,9 +119,6 @@ pub struct DeviceScene {
 #[derive(Debug, Clone, Copy)]
 pub struct SceneHandles {
     pub draws: Buffer,
-    pub vertices: Buffer,
-    pub indices: Buffer,
-    pub materials: Buffer,
 }
 
 impl DeviceScene {
@@ -158,13 +145,9 @@ impl DeviceScene {
         check("materials", scene.materials.len() * size_of::<MaterialData>(), limits.storage_buffer_bytes)?;
 
         let (arrays, places) = upload_textures(gpu, scene)?;
-        let materials = material_data(scene, &places);
-        let draw_data = |draw: &Draw| DrawData {
-            transform: draw.transform.to_cols_array_2d(),
-            material: draw.material,
-            vertex_offset: draw.vertex_offset,
-        };
-        let draws: Vec<DrawData> = scene.draws.iter().map(draw_data).collect();
+        let materials: Vec<MaterialData> = scene.materials.iter().map(|material| material_data(material, &places)).collect();
+        let draws: Vec<DrawData> =
+            scene.draws.iter().map(|draw| DrawData { transform: draw.transform.to_cols_array_2d(), material: draw.material }).collect();
         let (buckets, bounds) = fill_buckets(scene, &places);
         Ok(Self {
             bounds,
@@ -173,7 +156,7 @@ impl DeviceScene {
             vertices: gpu.create_filled_buffer("scene/vertices", bytemuck::cast_slice(&scene.vertices))?,
             indices: gpu.create_filled_buffer("scene/indices", bytemuck::cast_slice(&scene.indices))?,
             draws: gpu.create_filled_buffer("scene/draws", bytemuck::cast_slice(&draws))?,
-            counts: [scene.vertices.len(), scene.indices.len(), draws.len(), materials.len()].map(|count| count as u32),
+            draw_count: draws.len() as u32,
             materials: gpu.create_filled_buffer("scene/materials", bytemuck::cast_slice(&materials))?,
             arrays,
             blank: gpu.create_texture_array("scene/blank", Format::Rgba8Unorm, [1, 1], &[&[255; 4]])?,
@@ -183,13 +166,7 @@ impl DeviceScene {
 
     /// The scene's buffers as this frame's resources.
     pub fn import(&self, g: &mut Graph) -> SceneHandles {
-        let [vertices, indices, draws, materials] = self.counts;
-        SceneHandles {
-            draws: g.import_buffer::<DrawData>("scene/draws", self.draws, draws),
-            vertices: g.import_buffer::<Vertex>("scene/vertices", self.vertices, vertices),
-            indices: g.import_buffer::<u32>("scene/indices", self.indices, indices),
-            materials: g.import_buffer::<MaterialData>("scene/materials", self.materials, materials),
-        }
+        SceneHandles { draws: g.import_buffer::<DrawData>("scene/draws", self.draws, self.draw_count) }
     }
 
     /// What a raster pass draws, `instances` times: the parts of which `distance` knows one, nearer ones before farther ones as
@@ -294,38 +271,27 @@ fn maps(material: &Material) -> [Option<Map>; 4] {
     [material.base_color_map, material.metallic_roughness_map, material.emission_map, material.normal_map]
 }
 
-fn material_data(scene: &Scene, places: &Places) -> Vec<MaterialData> {
-    let (first, densities) = (first_texels(scene), emitter_densities(scene));
-    let one = |(material, emitter_density): (&Material, f32)| {
-        let [base_color_map, metallic_roughness_map, emission_map, normal_map] = maps(material).map(|map| {
-            map.map_or([0.0; 7], |map| {
-                let [a, b, c, d] = map.matrix.to_cols_array();
-                [a, b, c, d, map.offset.x, map.offset.y, places[map.texture as usize].1 as f32]
-            })
-        });
-        let [base_color_texels, metallic_roughness_texels, emission_texels, normal_texels] =
-            maps(material).map(|map| texel_map(map, scene, &first));
-        MaterialData {
-            base_color: material.base_color,
-            emission: material.emission,
-            metallic: material.metallic,
-            roughness: material.roughness,
-            alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
-            normal_scale: material.normal_scale,
-            double_sided: u32::from(material.double_sided),
-            base_color_map,
-            metallic_roughness_map,
-            emission_map,
-            normal_map,
-            base_color_texels,
-            metallic_roughness_texels,
-            emission_texels,
-            normal_texels,
-            emitter_density,
-            padding: [0; 11],
-        }
-    };
-    scene.materials.iter().zip(densities).map(one).collect()
+fn material_data(material: &Material, places: &Places) -> MaterialData {
+    let [base_color_map, metallic_roughness_map, emission_map, normal_map] = maps(material).map(|map| {
+        map.map_or([0.0; 7], |map| {
+            let [a, b, c, d] = map.matrix.to_cols_array();
+            [a, b, c, d, map.offset.x, map.offset.y, places[map.texture as usize].1 as f32]
+        })
+    });
+    MaterialData {
+        base_color: material.base_color,
+        emission: material.emission,
+        metallic: material.metallic,
+        roughness: material.roughness,
+        alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
+        normal_scale: material.normal_scale,
+        double_sided: u32::from(material.double_sided),
+        base_color_map,
+        metallic_roughness_map,
+        emission_map,
+        normal_map,
+        padding: [0; 24],
+    }
 }
 
 fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {

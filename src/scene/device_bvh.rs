@@ -20,13 +20,45 @@ shader_struct! {
 /// Texels of a row; a power of two, so that the shader divides by shifting. Every device has images so wide.
 const COLUMNS: usize = 4096;
 
+/// Words as an image of four words a texel, in rows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WordImage {
+    name: &'static str,
+    id: ImageId,
+    size: [u32; 2],
+}
+
+impl WordImage {
+    /// Brings words to the device; `scene` is the scene's name, for the error of what does not fit.
+    pub fn upload(gpu: &mut Gpu, scene: &str, name: &'static str, words: &[u32]) -> Result<Self> {
+        let rows = words.len().div_ceil(4 * COLUMNS).max(1);
+        let limit = gpu.adapter.limits.image_size as usize;
+        if rows > limit {
+            return Err(fail!(
+                BadInput,
+                "{scene}: {name} takes {rows} rows, over the {limit} that {} allows; lower scene.triangles or take a smaller file",
+                gpu.adapter.name
+            ));
+        }
+        let size = [COLUMNS as u32, rows as u32];
+        let id = gpu.create_filled_image(name, Format::Rgba32Uint, [size[0], size[1], 1], bytemuck::cast_slice(words), false)?;
+        Ok(Self { name, id, size })
+    }
+
+    pub fn import(&self, g: &mut Graph) -> Image {
+        g.import_image(self.name, self.id, Format::Rgba32Uint, self.size, 1)
+    }
+}
+
 /// See the module's page. The device owns the images.
 #[derive(Debug)]
 pub struct DeviceBvh {
     data: BvhData,
-    nodes: (ImageId, [u32; 2]),
-    triangles: (ImageId, [u32; 2]),
-    masks: (ImageId, [u32; 2]),
+    nodes: WordImage,
+    triangles: WordImage,
+    masks: WordImage,
+    corners: WordImage,
+    colors: WordImage,
 }
 
 /// The hierarchy in one frame's graph.
@@ -37,42 +69,38 @@ pub struct BvhHandles {
     pub nodes: Image,
     pub triangles: Image,
     pub masks: Image,
+    pub corners: Image,
+    pub colors: Image,
 }
 
 impl DeviceBvh {
-    /// Brings a hierarchy to the device; `name` is the scene's, for the error of one that does not fit.
-    pub fn upload(gpu: &mut Gpu, name: &str, bvh: &Bvh) -> Result<Self> {
+    /// Brings a hierarchy to the device, a part at a time, so that not all of it lies in memory twice; `scene` is the scene's name.
+    pub fn upload(gpu: &mut Gpu, scene: &str, mut bvh: Bvh) -> Result<Self> {
+        if bvh.triangles.len() as u64 > MOST_TRIANGLES {
+            return Err(fail!(
+                BadInput,
+                "{scene}: {} triangles are over the {MOST_TRIANGLES} that rays can tell apart",
+                bvh.triangles.len()
+            ));
+        }
         let data = BvhData { origin: bvh.origin.into(), padding0: 0.0, cell: bvh.cell.into(), padding1: 0.0 };
-        let nodes = upload(gpu, name, "scene/bvh-nodes", bytemuck::cast_slice(&bvh.nodes))?;
-        let triangles = upload(gpu, name, "scene/bvh-triangles", bytemuck::cast_slice(&bvh.triangles))?;
-        let masks = upload(gpu, name, "scene/bvh-masks", bytemuck::cast_slice(&bvh.masks))?;
-        Ok(Self { data, nodes, triangles, masks })
+        let nodes = WordImage::upload(gpu, scene, "scene/bvh-nodes", std::mem::take(&mut bvh.nodes).as_flattened())?;
+        let triangles = WordImage::upload(gpu, scene, "scene/bvh-triangles", std::mem::take(&mut bvh.triangles).as_flattened())?;
+        let masks = WordImage::upload(gpu, scene, "scene/bvh-masks", std::mem::take(&mut bvh.masks).as_flattened())?;
+        let corners = WordImage::upload(gpu, scene, "scene/bvh-corners", std::mem::take(&mut bvh.corners).as_flattened())?;
+        let colors = WordImage::upload(gpu, scene, "scene/bvh-colors", bvh.colors.as_flattened())?;
+        Ok(Self { data, nodes, triangles, masks, corners, colors })
     }
 
     /// The hierarchy as this frame's resources.
     pub fn import(&self, g: &mut Graph) -> BvhHandles {
         BvhHandles {
             data: g.upload("bvh", &[self.data]),
-            nodes: g.import_image("scene/bvh-nodes", self.nodes.0, Format::Rgba32Uint, self.nodes.1, 1),
-            triangles: g.import_image("scene/bvh-triangles", self.triangles.0, Format::Rgba32Uint, self.triangles.1, 1),
-            masks: g.import_image("scene/bvh-masks", self.masks.0, Format::Rgba32Uint, self.masks.1, 1),
+            nodes: self.nodes.import(g),
+            triangles: self.triangles.import(g),
+            masks: self.masks.import(g),
+            corners: self.corners.import(g),
+            colors: self.colors.import(g),
         }
     }
-}
-
-fn upload(gpu: &mut Gpu, scene: &str, name: &str, words: &[u32]) -> Result<(ImageId, [u32; 2])> {
-    let rows = words.len().div_ceil(4 * COLUMNS).max(1);
-    let limit = gpu.adapter.limits.image_size as usize;
-    if rows > limit || (words.len() / 12) as u64 > MOST_TRIANGLES {
-        return Err(fail!(
-            BadInput,
-            "{scene}: its bounding volume hierarchy takes {rows} rows of {name}, over the {limit} that {} allows; lower scene.triangles or take a smaller file",
-            gpu.adapter.name
-        ));
-    }
-    let mut padded = words.to_vec();
-    padded.resize(rows * 4 * COLUMNS, 0);
-    let size = [COLUMNS as u32, rows as u32];
-    let id = gpu.create_filled_image(name, Format::Rgba32Uint, [size[0], size[1], 1], bytemuck::cast_slice(&padded), false)?;
-    Ok((id, size))
 }

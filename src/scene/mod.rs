@@ -18,8 +18,9 @@ pub mod view;
 
 use glam::{Affine3A, Mat2, Vec2, Vec3};
 
-crate::shader_struct! {
 /// A vertex as it lies in the vertex buffer: 32 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Vertex {
     /// Position in the draw's own space, metres.
     pub position: [f32; 3],
@@ -31,7 +32,6 @@ pub struct Vertex {
     pub color: u32,
     /// Tangent and its handedness ([`pack::tangent`]); only read where the material has a normal map.
     pub tangent: u32,
-}
 }
 
 /// Everything that is drawn, and what it is lit and seen by.

@@ -43,6 +43,12 @@ pub fn tangent(v: Vec3, handedness: f32) -> u32 {
     p.x as u32 | (p.y as u32) << 15 | u32::from(handedness < 0.0) << 31
 }
 
+/// The unit tangent and the handedness that [`tangent`] packed.
+pub fn tangent_inverse(packed: u32) -> (Vec3, f32) {
+    let p = Vec2::new((packed & 0x7fff) as f32, (packed >> 15 & 0x7fff) as f32) / 32767.0 * 2.0 - 1.0;
+    (octahedral_inverse(p), if packed >> 31 != 0 { -1.0 } else { 1.0 })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -57,6 +63,10 @@ mod tests {
             let v = Vec3::new(r * phi.cos(), r * phi.sin(), z);
             let back = octahedral_snorm16_inverse(octahedral_snorm16(v));
             assert!(v.distance(back) < 1e-4, "{v} came back as {back}");
+        }
+        for (v, w) in [(Vec3::new(0.6, 0.0, -0.8), -1.0), (Vec3::Y, 1.0)] {
+            let (back, handedness) = tangent_inverse(tangent(v, w));
+            assert!(v.distance(back) < 2e-4 && handedness == w, "{v} came back as {back}");
         }
         for v in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z] {
             assert!(v.distance(octahedral_snorm16_inverse(octahedral_snorm16(v))) < 1e-6);

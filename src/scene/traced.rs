@@ -1,13 +1,15 @@
-//! What rays see of a scene on the device: the bounding volume hierarchy, the vertices, indices, draws and materials that the
-//! rasterizer has too, all textures' texels in one image, since a ray may meet any of them, and the surfaces that emit.
+//! What rays see of a scene on the device, since a ray may meet any surface: the bounding volume hierarchy with what its triangles
+//! look like, all materials and all textures' texels in an image each, and the surfaces that emit.
+//!
+//! It is made from the same arrays as what the rasterizer draws. Those buffers themselves would do, but a software driver reads a
+//! buffer lane by lane and word by word, and a texel of four words at about the cost of one of those.
 
 use super::bvh::Bvh;
-use super::device_bvh::{BvhHandles, DeviceBvh};
+use super::device_bvh::{BvhHandles, DeviceBvh, WordImage};
 use super::{Map, Material, Scene, Texture, Wrap};
 use crate::fail;
 use crate::gpu::{Format, Gpu, ImageId};
 use crate::graph::{Buffer, ComputePass, Graph, Image};
-use crate::scene::device::SceneHandles;
 use crate::shader_struct;
 use anyhow::Result;
 use glam::{DVec3, Vec3};
@@ -43,6 +45,7 @@ pub struct Traits {
 pub struct TracedScene {
     bvh: DeviceBvh,
     texels: (ImageId, [u32; 3]),
+    materials: WordImage,
     emitters: Vec<Emitter>,
     /// Luminance of the flux that surfaces emit, W.
     pub emitted_power: f32,
@@ -54,7 +57,7 @@ pub struct TracedScene {
 pub struct TracedHandles {
     bvh: BvhHandles,
     texels: Image,
-    scene: SceneHandles,
+    materials: Image,
     pub emitters: Buffer,
     pub emitter_count: u32,
     pub traits: Traits,
@@ -63,25 +66,12 @@ pub struct TracedHandles {
 impl TracedScene {
     /// Builds what rays need of a scene and brings it to the device. Errors name the limit and the knob.
     pub fn upload(gpu: &mut Gpu, scene: &Scene) -> Result<Self> {
-        let limits = gpu.adapter.limits;
-        for (what, bytes) in [("vertices", size_of_val(&scene.vertices[..])), ("indices", size_of_val(&scene.indices[..]))] {
-            if bytes as u64 > limits.storage_buffer_bytes {
-                return Err(fail!(
-                    BadInput,
-                    "{}: its {} triangles need {} MB of {what}, over the {} MB of a buffer that {} lets a ray see; lower scene.triangles or take a smaller file",
-                    scene.name,
-                    scene.triangle_count(),
-                    bytes >> 20,
-                    limits.storage_buffer_bytes >> 20,
-                    gpu.adapter.name
-                ));
-            }
-        }
         let bvh = Bvh::build(scene);
         let (emitters, emitted_power) = emitters(scene, &bvh);
         Ok(Self {
+            bvh: DeviceBvh::upload(gpu, &scene.name, bvh)?,
             texels: upload_texels(gpu, scene)?,
-            bvh: DeviceBvh::upload(gpu, &scene.name, &bvh)?,
+            materials: WordImage::upload(gpu, &scene.name, "scene/traced-materials", &material_words(scene))?,
             emitters,
             emitted_power,
             traits: traits(scene),
@@ -89,14 +79,14 @@ impl TracedScene {
     }
 
     /// The scene as this frame's resources.
-    pub fn import(&self, g: &mut Graph, scene: SceneHandles) -> TracedHandles {
+    pub fn import(&self, g: &mut Graph) -> TracedHandles {
         let (texels, [width, height, layers]) = self.texels;
         // A buffer is never empty; nothing samples this one.
         let none = [Emitter { triangle: 0, cumulative: 1.0 }];
         TracedHandles {
             bvh: self.bvh.import(g),
             texels: g.import_image("scene/texels", texels, Format::Rgba8Unorm, [width, height], layers),
-            scene,
+            materials: self.materials.import(g),
             emitters: g.upload("scene/emitters", if self.emitters.is_empty() { &none } else { &self.emitters }),
             emitter_count: self.emitters.len() as u32,
             traits: self.traits,
@@ -105,27 +95,31 @@ impl TracedScene {
 }
 
 impl<'g> ComputePass<'g> {
-    /// Reads all that `glsl/bvh/surface.glsl` binds.
+    /// Reads all that rays need: what `glsl/bvh/hole.glsl` and what it includes bind.
     pub fn traces(self, scene: &TracedHandles) -> Self {
         let has = scene.traits;
         self.reads("bvh", scene.bvh.data)
             .reads("bvh_nodes", scene.bvh.nodes)
             .reads("bvh_triangles", scene.bvh.triangles)
             .reads("bvh_masks", scene.bvh.masks)
-            .reads("vertices", scene.scene.vertices)
-            .reads("indices", scene.scene.indices)
-            .reads("draws", scene.scene.draws)
-            .reads("materials", scene.scene.materials)
             .reads("texels", scene.texels)
             .constant("BASE_COLOR_MAPS", has.base_color_maps)
+            .constant("VERTEX_COLORS", has.vertex_colors)
+            .constant("MASKS", has.masks)
+            .constant("SINGLE_SIDES", has.single_sides)
+    }
+
+    /// Reads all that the surfaces need which rays meet, beside [`Self::traces`]: what `glsl/bvh/surface.glsl` binds.
+    pub fn shades(self, scene: &TracedHandles) -> Self {
+        let has = scene.traits;
+        self.reads("bvh_corners", scene.bvh.corners)
+            .reads("bvh_colors", scene.bvh.colors)
+            .reads("materials", scene.materials)
             .constant("METALLIC_ROUGHNESS_MAPS", has.metallic_roughness_maps)
             .constant("EMISSION_MAPS", has.emission_maps)
             .constant("NORMAL_MAPS", has.normal_maps)
-            .constant("VERTEX_COLORS", has.vertex_colors)
-            .constant("MASKS", has.masks)
             .constant("EMISSION", has.emission)
             .constant("METALS", has.metals)
-            .constant("SINGLE_SIDES", has.single_sides)
     }
 }
 
@@ -154,7 +148,7 @@ pub(super) fn first_texels(scene: &Scene) -> Vec<u32> {
     scene.textures.iter().scan(0, begin).collect()
 }
 
-/// A map's words in the material: `TexelMap` of `glsl/lib/scene.glsl`.
+/// Where a map's texels are: the first, width and height, and how it wraps; `TexelMap` of `glsl/bvh/surface.glsl`.
 pub(super) fn texel_map(map: Option<Map>, scene: &Scene, first: &[u32]) -> [u32; 3] {
     let Some(map) = map else { return [0; 3] };
     let texture = &scene.textures[map.texture as usize];
@@ -166,6 +160,26 @@ pub(super) fn texel_map(map: Option<Map>, scene: &Scene, first: &[u32]) -> [u32;
     let how =
         wrap(map.wrap_u) | wrap(map.wrap_v) << 2 | u32::from(map.filter == super::Filter::Nearest) << 4 | u32::from(texture.srgb) << 5;
     [first[map.texture as usize], texture.width | texture.height << 16, how]
+}
+
+/// All materials, 16 texels each: `glsl/bvh/surface.glsl` takes them apart.
+fn material_words(scene: &Scene) -> Vec<u32> {
+    let (first, densities) = (first_texels(scene), emitter_densities(scene));
+    let mut words = Vec::with_capacity(scene.materials.len() * 64);
+    for (material, density) in scene.materials.iter().zip(densities) {
+        let [r, g, b, _] = material.base_color;
+        let [er, eg, eb] = material.emission;
+        let numbers = [r, g, b, material.metallic, er, eg, eb, density, material.roughness, material.normal_scale, 0.0, 0.0];
+        words.extend(numbers.map(f32::to_bits));
+        for map in [material.base_color_map, material.metallic_roughness_map, material.emission_map, material.normal_map] {
+            let [texel, size, how] = texel_map(map, scene, &first);
+            let place = map.unwrap_or_else(|| Map::new(0));
+            words.extend(place.matrix.to_cols_array().map(f32::to_bits));
+            words.extend([place.offset.x.to_bits(), place.offset.y.to_bits(), texel, size, how, 0, 0, 0]);
+        }
+        words.extend([0; 4]);
+    }
+    words
 }
 
 /// All textures' texels, one after the other, as an image.
@@ -184,9 +198,8 @@ fn upload_texels(gpu: &mut Gpu, scene: &Scene) -> Result<(ImageId, [u32; 3])> {
         ));
     }
     let size = [SIDE as u32, rows.min(SIDE) as u32, layers as u32];
-    let mut texels = Vec::with_capacity(SIDE * rows.min(SIDE) * layers * 4);
+    let mut texels = Vec::with_capacity(count * 4);
     scene.textures.iter().for_each(|texture| texels.extend_from_slice(&texture.texels));
-    texels.resize(SIDE * rows.min(SIDE) * layers * 4, 255);
     Ok((gpu.create_filled_image("scene/texels", Format::Rgba8Unorm, size, &texels, false)?, size))
 }
 
@@ -225,7 +238,7 @@ fn emitters(scene: &Scene, bvh: &Bvh) -> (Vec<Emitter>, f32) {
     let mut sum = 0.0;
     let mut found = Vec::new();
     for (i, record) in bvh.triangles.iter().enumerate() {
-        let weight = weights[scene.draws[record[3] as usize].material as usize];
+        let weight = weights[record[3] as usize];
         let area = (corner(record, 4) - corner(record, 0)).cross(corner(record, 8) - corner(record, 0)).length() * 0.5;
         if weight * area > 0.0 {
             sum += weight * area;
@@ -237,7 +250,7 @@ fn emitters(scene: &Scene, bvh: &Bvh) -> (Vec<Emitter>, f32) {
 }
 
 /// Of each material, the density by which a point of its surface is sampled as a light, 1/m^2; 0 where it emits nothing.
-pub(super) fn emitter_densities(scene: &Scene) -> Vec<f32> {
+fn emitter_densities(scene: &Scene) -> Vec<f32> {
     let weights: Vec<f64> = scene.materials.iter().map(|material| emitter_weight(scene, material)).collect();
     if weights.iter().all(|weight| *weight == 0.0) {
         return vec![0.0; weights.len()];

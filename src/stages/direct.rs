@@ -56,6 +56,7 @@ pub fn shade(
         .writes("direct", direct)
         .constant("GLOSSY_DIELECTRIC", dielectric == Dielectric::Ggx)
         .constant("LIGHT_KIND", rsm.kind)
+        .constant("METALS", scene.has_metals)
         .params(&ShadeParams {
             lights: rsm.layers,
             bias: config.bias,
@@ -67,7 +68,7 @@ pub fn shade(
     pass = match (config.shadows, traced) {
         (Shadows::RayTraced, Some(traced)) => pass.traces(traced),
         (Shadows::RayTraced, None) => unreachable!("the scene was brought without what rays need"),
-        _ => pass.constant("METALS", scene.has_metals),
+        _ => pass,
     };
     if let Some((binding, image, sampler)) = map {
         pass = pass.samples(binding, image, sampler);

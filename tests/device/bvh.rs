@@ -54,7 +54,7 @@ fn trace(bvh: &Bvh, rays: &[Ray]) -> Vec<Found> {
     }
     sources.insert("test/rays.comp".into(), SHADER.into());
     let mut engine = Engine::new(gpu(), Library::from_sources(sources));
-    let device = DeviceBvh::upload(&mut engine.gpu, "test", bvh).unwrap();
+    let device = DeviceBvh::upload(&mut engine.gpu, "test", bvh.clone()).unwrap();
     let numbers = |ray: &Ray| {
         let (o, d) = (ray.origin, ray.direction);
         [[o.x, o.y, o.z, f32::from(ray.any_before.is_some())], [d.x, d.y, d.z, ray.any_before.unwrap_or(1e30)]]

@@ -1,0 +1,93 @@
+// Rays through a scene whose surfaces may have holes.
+#include "bvh/traverse.glsl"
+#include "lib/color.glsl"
+#include "lib/packing.glsl"
+
+// What some material of the scene has; what none has costs nothing.
+layout(constant_id = 100) const bool BASE_COLOR_MAPS = true;
+layout(constant_id = 104) const bool VERTEX_COLORS = true;
+
+// Of src/scene/bvh.rs and src/scene/traced.rs.
+uniform usampler2D bvh_masks;
+uniform sampler2DArray texels; // of all textures, one after the other
+
+// Where a map's texels are.
+struct TexelMap {
+    uint first;
+    uint size; // width, and height in the upper half; 0 where there is no map
+    uint how;  // wrapping across in bits 0 and 1, down in bits 2 and 3; the bits below
+};
+
+const uint WRAP_REPEAT = 0u;
+const uint WRAP_MIRRORED = 1u;
+const uint WRAP_CLAMP = 2u;
+const uint NEAREST_TEXEL = 16u;
+const uint SRGB_TEXELS = 32u;
+
+vec4 texel(TexelMap map, vec2 at) {
+    uint i = map.first + uint(at.y) * (map.size & 0xffffu) + uint(at.x);
+    return texelFetch(texels, ivec3(i & 4095u, (i >> 12) & 4095u, i >> 24), 0);
+}
+
+vec4 decoded(TexelMap map, vec2 at) {
+    vec4 t = texel(map, at);
+    return (map.how & SRGB_TEXELS) != 0u ? vec4(srgb_to_linear(t.rgb), t.a) : t;
+}
+
+// A coordinate, brought into [0, 1].
+float wrapped(float u, uint wrap) {
+    float repeated = u - floor(u);
+    float mirrored = 1.0 - abs(fract(u * 0.5) * 2.0 - 1.0);
+    return wrap == WRAP_REPEAT ? repeated : wrap == WRAP_MIRRORED ? mirrored : clamp(u, 0.0, 1.0);
+}
+
+// A texel's number beside the edge: on the other side where the texture repeats, else the edge's.
+float neighbour(float i, float size, uint wrap) {
+    if (wrap == WRAP_REPEAT) i += i < 0.0 ? size : i >= size ? -size : 0.0;
+    return clamp(i, 0.0, size - 1.0);
+}
+
+// A texture where the rasterizer would look it up, from the finest mip: sharper than that, and as sharp from everywhere.
+vec4 look_up_at(TexelMap map, vec2 p) {
+    if (map.size == 0u) return vec4(1.0);
+    vec2 size = vec2(map.size & 0xffffu, map.size >> 16);
+    uint across = map.how & 3u, down = (map.how >> 2) & 3u;
+    p = vec2(wrapped(p.x, across), wrapped(p.y, down)) * size;
+    if ((map.how & NEAREST_TEXEL) != 0u) return decoded(map, min(floor(p), size - 1.0));
+    p -= 0.5;
+    vec2 low = floor(p), part = p - low;
+    vec2 a = vec2(neighbour(low.x, size.x, across), neighbour(low.y, size.y, down));
+    vec2 b = vec2(neighbour(low.x + 1.0, size.x, across), neighbour(low.y + 1.0, size.y, down));
+    vec4 above = mix(decoded(map, a), decoded(map, vec2(b.x, a.y)), part.x);
+    vec4 below = mix(decoded(map, vec2(a.x, b.y)), decoded(map, b), part.x);
+    return mix(above, below, part.y);
+}
+
+bool is_hole(uint mask, vec2 barycentric) {
+    // See src/scene/bvh.rs.
+    uint i = 3u * mask;
+    uvec4 a = texelFetch(bvh_masks, ivec2(i & 4095u, i >> 12), 0);
+    uvec4 b = texelFetch(bvh_masks, ivec2((i + 1u) & 4095u, (i + 1u) >> 12), 0);
+    uvec4 c = texelFetch(bvh_masks, ivec2((i + 2u) & 4095u, (i + 2u) >> 12), 0);
+    vec3 weights = vec3(1.0 - barycentric.x - barycentric.y, barycentric);
+    vec2 place = weights.x * uintBitsToFloat(a.xy) + weights.y * uintBitsToFloat(a.zw) + weights.z * uintBitsToFloat(b.xy);
+    float alpha = uintBitsToFloat(c.y);
+    if (VERTEX_COLORS) alpha *= dot(weights, unpackUnorm4x8(c.z).xyz);
+    // Alpha has no curve.
+    if (BASE_COLOR_MAPS) alpha *= look_up_at(TexelMap(b.z, b.w, c.x & ~SRGB_TEXELS), place).a;
+    return alpha < uintBitsToFloat(c.w);
+}
+
+// The nearest surface from t_min on.
+Hit nearest(Ray ray, float t_min, bool from_camera) { return traverse(ray, t_min, 1e30, false, from_camera); }
+
+// Whether a surface lies on a ray before t_max.
+bool is_occluded(Ray ray, float t_max) { return traverse(ray, 0.0, t_max, true, false).triangle != NO_TRIANGLE; }
+
+// A point just off a surface, on the side of its normal, so that a ray from there does not meet it again (Wächter and Binder 2019):
+// by so many steps of the floats that the coordinates are.
+vec3 off_surface(vec3 position, vec3 normal) {
+    ivec3 steps = ivec3(256.0 * normal);
+    vec3 moved = intBitsToFloat(floatBitsToInt(position) + mix(steps, -steps, lessThan(position, vec3(0.0))));
+    return mix(moved, position + normal / 65536.0, lessThan(abs(position), vec3(1.0 / 32.0)));
+}
