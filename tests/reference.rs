@@ -172,9 +172,14 @@ fn what_cannot_be_resumed_or_written_is_said_in_one_sentence() {
     place.fails("reference box.toml -o file/out --spp 1", 6, &["file/out"]);
     place.fails("reference nothing.toml", 2, &["nothing.toml"]);
     place.fails("reference box.toml --set scene.builtin=castle", 2, &["scene.builtin", "castle"]);
-    let lost = place.command("reference box.toml -o lost --spp 1 --bounces 1").env("MANYLIGHT_FAULT", "device-lost:reference/path").output().unwrap();
+    let lost = place
+        .command("reference box.toml -o lost --spp 1 --bounces 1")
+        .env("MANYLIGHT_FAULT", "device-lost:reference/path")
+        .output()
+        .unwrap();
     assert_eq!(lost.status.code(), Some(4), "{}", text(&lost.stderr));
-    let full = place.command("reference box.toml -o full --spp 1").env("MANYLIGHT_FAULT", "out-of-memory:scene/bvh-nodes").output().unwrap();
+    let full =
+        place.command("reference box.toml -o full --spp 1").env("MANYLIGHT_FAULT", "out-of-memory:scene/bvh-nodes").output().unwrap();
     assert_eq!(full.status.code(), Some(5), "{}", text(&full.stderr));
     for folder in ["lost", "full"] {
         assert!(place.names(folder).is_empty(), "{folder}: {:?}", place.names(folder));
@@ -198,8 +203,15 @@ fn an_output_folder_that_vanishes_ends_with_its_code() {
 #[test]
 fn visibility_and_shadows_by_rays_render_without_a_word_from_the_validation_layer() {
     let place = Place::new();
-    place.write("rays.toml", format!("{SMALL}count = 1\n[vpls]\ncount = 256\n[visibility]\nmethod = \"ray-traced\"\n[direct]\nshadows = \"ray-traced\"\n"));
+    place.write(
+        "rays.toml",
+        format!("{SMALL}count = 1\n[vpls]\ncount = 256\n[visibility]\nmethod = \"ray-traced\"\n[direct]\nshadows = \"ray-traced\"\n"),
+    );
     let stdout = place.succeeds("render rays.toml -o out --validate --check-nan");
     assert!(stdout.contains("visibility"), "{stdout}");
-    place.fails("render rays.toml -o out2 --set gather.interleave=1 --set vpls.count=200000 --set rsm.size=[512,512]", 2, &["gather.interleave"]);
+    place.fails(
+        "render rays.toml -o out2 --set gather.interleave=1 --set vpls.count=200000 --set rsm.size=[512,512]",
+        2,
+        &["gather.interleave"],
+    );
 }

@@ -18,6 +18,8 @@ const FRAME: &str = "#version 460
 #include \"lib/light.glsl\"
 #include \"lib/packing.glsl\"
 #include \"lib/permutation.glsl\"
+#include \"lib/random.glsl\"
+#include \"lib/sampling.glsl\"
 #include \"lib/view.glsl\"
 layout(local_size_x = 64) in;
 layout(scalar) readonly buffer Inputs { uint at[]; } inputs;
@@ -74,7 +76,7 @@ fn words(
 }
 
 /// As [`words`], for numbers: `body` sets the vec4 `r`.
-fn numbers(body: &str, inputs: &[[f32; 4]]) -> Vec<[f32; 4]> {
+pub fn numbers(body: &str, inputs: &[[f32; 4]]) -> Vec<[f32; 4]> {
     let inputs: Vec<[u32; 4]> = inputs.iter().map(|v| v.map(f32::to_bits)).collect();
     let body = format!("vec4 r = vec4(0.0);\n{body}\nresult = floatBitsToUint(r);");
     words("", &body, &inputs, |_| Vec::new()).into_iter().map(|w| w.map(f32::from_bits)).collect()
@@ -438,7 +440,7 @@ fn schlicks_term_runs_from_f0_to_one() {
 }
 
 /// GGX's distribution times the height-correlated visibility term, from Heitz's lambda.
-fn ggx(alpha: f64, nh: f64, nl: f64, nv: f64) -> f64 {
+pub fn ggx(alpha: f64, nh: f64, nl: f64, nv: f64) -> f64 {
     let d = alpha * alpha / (PI * (nh * nh * (alpha * alpha - 1.0) + 1.0).powi(2));
     let lambda = |cosine: f64| 0.5 * ((1.0 + alpha * alpha * (1.0 - cosine * cosine) / (cosine * cosine)).sqrt() - 1.0);
     d / ((1.0 + lambda(nl) + lambda(nv)) * 4.0 * nl * nv)

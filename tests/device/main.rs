@@ -12,3 +12,4 @@ mod indirect;
 mod make;
 mod reference;
 mod repeat;
+mod sampling;

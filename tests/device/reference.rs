@@ -223,9 +223,7 @@ fn one_bounce_vpls_in_an_empty_box_are_the_path_tracers_first_bounce() {
     config.rsm.size = [128, 128];
     config.vpls.count = 128 * 128;
     let picture = picture(&mut renderer, &config);
-    
-    
-    
+
     let truth = reference(&mut renderer, &config, centered(1), 1536).mean(Layer::Bounce(1));
     finish(renderer.gpu());
     let (positions, normals) = (picture.positions(), picture.normals());
