@@ -106,6 +106,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
         ("reference/rays", rays),
         ("reference/rays-a-second", (rays as f64 / seconds.max(1e-9)) as u64),
         ("reference/frame", u64::from(settings.frame_index)),
+        ("scene/hierarchy-ms", renderer.traced_scene().map_or(0, |scene| scene.build_ms)),
         ("scene/triangles", renderer.device_scene().triangles),
         ("device/memory-bytes", renderer.gpu().memory_in_use()),
     ];

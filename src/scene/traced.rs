@@ -13,6 +13,7 @@ use crate::graph::{Buffer, ComputePass, Graph, Image};
 use crate::shader_struct;
 use anyhow::Result;
 use glam::{DVec3, Vec3};
+use std::time::Instant;
 
 shader_struct! {
     /// A triangle that emits: `glsl/reference/path.comp`.
@@ -50,6 +51,8 @@ pub struct TracedScene {
     /// Luminance of the flux that surfaces emit, W.
     pub emitted_power: f32,
     pub traits: Traits,
+    /// How long the hierarchy took to build, milliseconds.
+    pub build_ms: u64,
 }
 
 /// A traced scene in one frame's graph.
@@ -66,7 +69,9 @@ pub struct TracedHandles {
 impl TracedScene {
     /// Builds what rays need of a scene and brings it to the device. Errors name the limit and the knob.
     pub fn upload(gpu: &mut Gpu, scene: &Scene) -> Result<Self> {
+        let start = Instant::now();
         let bvh = Bvh::build(scene);
+        let build_ms = start.elapsed().as_millis() as u64;
         let (emitters, emitted_power) = emitters(scene, &bvh);
         Ok(Self {
             bvh: DeviceBvh::upload(gpu, &scene.name, bvh)?,
@@ -75,6 +80,7 @@ impl TracedScene {
             emitters,
             emitted_power,
             traits: traits(scene),
+            build_ms,
         })
     }
 
