@@ -114,12 +114,12 @@ fn random_rays(scene: &Scene, count: usize) -> Vec<Ray> {
     let mut state = 1;
     let mut anywhere = || Vec3::new(random(&mut state), random(&mut state), random(&mut state));
     let ray = |i: usize| {
-        let mut direction = (anywhere() * 2.0 - 1.0) * if i % 5 == 0 { 40.0 } else { 1.0 };
+        let mut direction = (anywhere() * 2.0 - 1.0) * if i.is_multiple_of(5) { 40.0 } else { 1.0 };
         // Some along the axes, where a component is exactly 0.
-        if i % 17 == 0 {
+        if i.is_multiple_of(17) {
             direction[i % 3] = 0.0;
         }
-        if i % 51 == 0 {
+        if i.is_multiple_of(51) {
             direction[(i + 1) % 3] = 0.0;
         }
         Ray { origin: bounds.min + anywhere() * bounds.size(), direction, any_before: None }

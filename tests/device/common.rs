@@ -51,7 +51,8 @@ pub fn shared_scene(name: &str) -> Option<Scene> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes").join(name);
     if !path.exists() {
         // Past the test harness, which keeps the output of passing tests to itself.
-        writeln!(std::io::stderr(), "SKIPPED: {} is not there", path.display()).unwrap();
+        let mut stderr = std::io::stderr();
+        writeln!(stderr, "SKIPPED: {} is not there", path.display()).unwrap();
         return None;
     }
     Some(manylight::scene::gltf::load(&path, None).unwrap_or_else(|error| panic!("{error:#}")).scene)
