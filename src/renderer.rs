@@ -199,6 +199,9 @@ impl Renderer {
             ));
         }
         check_methods(adapter, config)?;
+        if needs_rays(config) && self.traced.is_none() {
+            bail!("{}: the config traces rays, and the scene was brought without what they need (Renderer::traced)", self.scene.name);
+        }
         let maps = self.lighting(config, 0)?.projectors.len() as u64;
         let texels = maps * u64::from(map[0]) * u64::from(map[1]);
         let count = u64::from(config.vpls.count);

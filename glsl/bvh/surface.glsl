@@ -37,6 +37,7 @@ struct Surface {
     float emitter_density;
     bool front;
     bool double_sided;
+    float reach;           // the largest coordinate of its triangle, which the rounding of the position is a part of
 };
 
 // A material's map at a place of the surface; white where it has none.
@@ -64,6 +65,8 @@ Surface surface_at(Ray ray, Hit hit) {
     uint material = ta.w;
     Surface s;
     s.position = weights.x * a + weights.y * b + weights.z * c;
+    vec3 most = max(abs(a), max(abs(b), abs(c)));
+    s.reach = max(most.x, max(most.y, most.z));
     vec3 face = cross(b - a, c - a);
     s.front = dot(face, ray.direction) < 0.0;
     float side = s.front ? 1.0 : -1.0;

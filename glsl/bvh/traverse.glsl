@@ -46,6 +46,9 @@ vec2 hit_box(uvec3 planes, vec3 scale, vec3 offset) {
     return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
 }
 
+// Set where a driver has ended a loop before its time, as llvmpipe does after 65,535 turns of all loops of an invocation together.
+bool unfinished = false;
+
 // The nearest hit from t_min on and before t_max; of equal distances that of the lower number. Holes are none, and neither are to
 // the camera the backs of single-sided surfaces. Where `any`, some hit.
 Hit traverse(Ray ray, float t_min, float t_max, bool any, bool from_camera) {
@@ -81,7 +84,7 @@ Hit traverse(Ray ray, float t_min, float t_max, bool any, bool from_camera) {
             uvec4 last = triangle_texel(3u * i + 2u);
             bool front;
             vec3 found = hit_triangle(ray, a, b, uintBitsToFloat(last.xyz), front);
-            bool met = found.x >= t_min && (found.x < hit.t || (found.x == hit.t && i < hit.triangle));
+            bool met = found.x >= t_min && (found.x < hit.t || (found.x == hit.t && hit.triangle != NO_TRIANGLE && i < hit.triangle));
             if (SINGLE_SIDES) met = met && (front || !from_camera || (last.w & SINGLE_SIDED) == 0u);
             bool is_masked = false;
             if (MASKS) is_masked = (last.w & MASKED) != 0u;
@@ -103,5 +106,6 @@ Hit traverse(Ray ray, float t_min, float t_max, bool any, bool from_camera) {
             top = max(top, 1u) - 1u;
         }
     }
+    unfinished = unfinished || at != DONE;
     return hit;
 }

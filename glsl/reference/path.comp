@@ -126,6 +126,7 @@ vec3 sample_emitters(Surface s, vec3 v, vec3 u, out vec3 to_light, out float dis
     vec2 uv = (1.0 - weights.x - weights.y) * uintBitsToFloat(ca.yz) + weights.x * uintBitsToFloat(cb.yz) + weights.y * uintBitsToFloat(cc.yz);
     float emitter_density = material_numbers(ta.w, 1u).w;
     if (cosine <= 0.0 || emitter_density <= 0.0) return vec3(0.0);
+    if (MASKS && (tc.w & MASKED) != 0u && is_hole(tc.w >> MASK_SHIFT, weights)) return vec3(0.0);
     float light_density = params.emitter_chance * emitter_density * distance * distance / cosine;
     return emission_at(ta.w, uv) * reflected(s, to_light, v) / light_density * share(light_density, density(s, to_light, v));
 }
@@ -163,6 +164,8 @@ void main() {
         }
         Surface s = surface_at(ray, hit);
         vec3 v = -normalize(ray.direction);
+        // A normal that faces away, from a normal map or at a grazing angle, is seen at a grazing angle.
+        vec3 seen_from = normalize(v + s.normal * max(1e-3 - dot(s.normal, v), 0.0));
         if (EMISSION && any(greaterThan(s.emission, vec3(0.0)))) {
             float mine = 1.0;
             if (k > 0u) {
@@ -190,14 +193,14 @@ void main() {
         }
 
         gatherer = int(k);
-        vec3 from = off_surface(s.position, s.geometric_normal);
+        vec3 from = off_surface(s.position + s.geometric_normal * (5e-7 * s.reach), s.geometric_normal);
         vec4 choice = random(number, params.sample_index, 2u * k + 1u, params.seed);
         vec3 to_light = s.normal, found = vec3(0.0);
         float distance = 0.0;
         if (EMISSION && choice.w < params.emitter_chance) {
-            found = sample_emitters(s, v, choice.xyz, to_light, distance);
+            found = sample_emitters(s, seen_from, choice.xyz, to_light, distance);
         } else if (params.lights > 0u) {
-            found = sample_lights(s, v, choice.x, to_light, distance) / (1.0 - params.emitter_chance);
+            found = sample_lights(s, seen_from, choice.x, to_light, distance) / (1.0 - params.emitter_chance);
         }
         if (any(greaterThan(found, vec3(0.0)))) {
             traced += 1u;
@@ -212,10 +215,10 @@ void main() {
 
         if (k == params.bounces && without(either(EMISSION, ENVIRONMENT))) break;
         vec4 next = random(number, params.sample_index, 2u * k + 2u, params.seed);
-        vec3 l = sample_brdf(next.xyz, s.metallic, s.roughness, GLOSSY_DIELECTRIC, s.normal, v);
-        came_with = density(s, l, v);
+        vec3 l = sample_brdf(next.xyz, s.metallic, s.roughness, GLOSSY_DIELECTRIC, s.normal, seen_from);
+        came_with = density(s, l, seen_from);
         if (came_with <= 0.0 || dot(s.geometric_normal, l) <= 0.0) break;
-        vec3 weight = reflected(s, l, v) / came_with;
+        vec3 weight = reflected(s, l, seen_from) / came_with;
         if (k == 0u) {
             // Irradiance, by the directions alone.
             to_irradiance = vec3(s.metallic < 1.0 ? max(dot(s.normal, l), 0.0) / came_with : 0.0);
@@ -225,7 +228,7 @@ void main() {
         throughput *= weight;
         if (k >= 4u) {
             // Russian roulette: what carries little ends early, and what is left carries more.
-            float survives = clamp(max(throughput.r, max(throughput.g, throughput.b)), 0.05, 1.0);
+            float survives = clamp(max(max(throughput.r, max(throughput.g, throughput.b)), max(to_irradiance.r, max(to_irradiance.g, to_irradiance.b)) / PI), 0.05, 1.0);
             if (next.w >= survives) break;
             throughput /= survives;
             to_irradiance /= survives;
@@ -246,4 +249,5 @@ void main() {
     if (params.bounces > 0u) add(pixel, IRRADIANCE, vec4(irradiance, 0.0));
     add(pixel, ALBEDO, vec4(first_albedo, 0.0));
     atomicAdd(rays.at[0], traced);
+    if (unfinished) atomicOr(rays.at[1], 1u);
 }

@@ -21,8 +21,9 @@ layout(scalar) readonly buffer Points { VplPoint at[]; } points;
 layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
 layout(r32ui) writeonly uniform uimage2DArray visible;
 
-// Off a surface whose place comes from a depth map: beyond what such places are off by.
-vec3 lifted(vec3 position, vec3 n) { return off_surface(position + n * (2e-6 * view.it.diagonal), n); }
+// Off a surface whose place comes from a depth map. Rasterizers move corners by up to a 256th of a pixel, and the map's surfaces
+// with them: `off` is what that comes to there, metres.
+vec3 lifted(vec3 position, vec3 n, float off) { return off_surface(position + n * (off + 2e-6 * view.it.diagonal), n); }
 
 void main() {
     uvec2 set = gl_WorkGroupID.xy % INTERLEAVE;
@@ -34,7 +35,7 @@ void main() {
     if (z > 0.0) {
         vec3 x = view_position(view.it, pixel, z);
         vec3 n = octahedral_inverse(texelFetch(normal, pixel, 0).xy);
-        vec3 from = lifted(x, n);
+        vec3 from = lifted(x, n, view.it.near / z * length(view.it.up) / (128.0 * float(view.it.height)));
         for (uint i = 0u; i < 32u; i++) {
             uint index = (gl_WorkGroupID.z * 32u + i) * INTERLEAVE * INTERLEAVE + set.y * INTERLEAVE + set.x;
             if (index >= params.count) break;
@@ -43,7 +44,7 @@ void main() {
             vec3 way = vpl.position - x;
             // Only where some light would arrive.
             if (dot(n, way) > 0.0 && dot(facing, way) < 0.0 && any(greaterThan(intensities.at[index], vec3(0.0)))) {
-                bits |= is_occluded(make_ray(from, lifted(vpl.position, facing) - from), 1.0) ? 0u : 1u << i;
+                bits |= is_occluded(make_ray(from, lifted(vpl.position, facing, 2e-5 * view.it.diagonal) - from), 1.0) ? 0u : 1u << i;
             }
         }
     }

@@ -38,6 +38,9 @@ impl Progress {
         {
             self.0.set_length(of);
             self.0.set_style(style);
+            // What an earlier run has done says nothing of this one's speed.
+            self.0.set_position(done);
+            self.0.reset_eta();
         }
         self.0.set_position(done);
         self.0.set_message(format!("{:.2} million rays/s", rays_a_second / 1e6));

@@ -40,14 +40,18 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
         min_distance: if args.min_distance { config.gather.min_distance } else { 0.0 },
         centered: args.centers,
     };
-    let identity = identity(&config, settings, &scene);
+    progress.say("building the hierarchy");
+    let of_scene = identity(&config, settings, &scene);
+    let mut renderer = Renderer::traced(gpu, scene)?;
+    let identity = format!("{of_scene}-{}", renderer.engine().shader_key("reference/path.comp")?.to_hex());
     let kept = folder.join("sums.exr");
     let before = if args.resume { Some(load_sums(&kept, &identity, config.frame.size, args.bounces)?) } else { None };
-    progress.say("building the hierarchy");
-    let mut renderer = Renderer::traced(gpu, scene)?;
     let mut tracer = Tracer::new(&mut renderer, &config, settings, before.as_ref())?;
     progress.say("preparing the shaders");
     tracer.prepare(&mut renderer)?;
+    // Whatever the end of the run needs is needed once before, so that it does not fail for want of memory after hours.
+    let features = tracer.features(&mut renderer)?;
+    tracer.sums(&mut renderer)?;
     let _ = ctrlc::set_handler(|| {
         if STOPPED.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
@@ -79,7 +83,6 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
 
     progress.say("writing");
     let sums = tracer.sums(&mut renderer)?;
-    let features = tracer.features(&mut renderer)?;
     let from = provenance(&args.config, &config, &renderer);
     let [width, height] = sums.size;
     let metadata = [

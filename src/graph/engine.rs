@@ -81,6 +81,11 @@ impl Engine {
         Self { gpu, library, pipelines: HashMap::new(), pool: Pool::default() }
     }
 
+    /// A hash of a shader's source and of the compiler: it changes with what the shader does.
+    pub fn shader_key(&self, path: &str) -> Result<blake3::Hash> {
+        self.library.key(path)
+    }
+
     /// Compiles the graph's shaders and makes its pipelines, so that no frame has to.
     pub fn prepare(&mut self, graph: &Graph) -> Result<()> {
         check::order(graph)?;

@@ -88,7 +88,7 @@ impl Library {
     }
 
     /// Of everything that the compiler will read, and of the compiler.
-    fn key(&self, path: &str) -> Result<blake3::Hash> {
+    pub fn key(&self, path: &str) -> Result<blake3::Hash> {
         let mut hasher = blake3::Hasher::new();
         let (version, revision) = shaderc::get_spirv_version();
         hasher.update(format!("{OPTIONS} {version} {revision} {path}\0").as_bytes());

@@ -112,7 +112,7 @@ fn encode(width: u32, height: u32, layers: Vec<Layer>, metadata: &[(&str, String
 }
 
 /// Images that would take more than this are not read: 16,384 x 16,384 pixels of four channels fit.
-const MAX_DECODED_BYTES: u128 = 4 << 30;
+pub const MAX_DECODED_BYTES: u128 = 4 << 30;
 
 /// An image as it was read: all channels of its first part as 32-bit numbers.
 #[derive(Debug, Clone, PartialEq)]

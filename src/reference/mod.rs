@@ -14,6 +14,7 @@ use crate::config::{Config, Dielectric};
 use crate::fail;
 use crate::gpu::{Format, ImageId};
 use crate::graph::{Execution, Graph};
+use crate::output::exr::MAX_DECODED_BYTES;
 use crate::renderer::Renderer;
 use crate::scene::projection::{Projector, View};
 use crate::scene::{Aabb, Light};
@@ -66,8 +67,8 @@ pub struct Tracer {
     settings: Settings,
     sums: ImageId,
     samples: u32,
-    /// Rows of pixels that are traced in one submission.
-    rows: u32,
+    /// Rows of pixels that the next submission traces; it adapts itself to the device.
+    pub rows_at_once: u32,
 }
 
 /// A submission takes about so long: short enough for a display's watchdog and for stopping, long enough to cost nothing.
@@ -105,6 +106,14 @@ impl Tracer {
                 renderer.gpu().adapter.name
             ));
         }
+        let [width, height] = config.frame.size.map(u128::from);
+        if width * height * u128::from(2 * Layer::count(settings.bounces)) * 16 > MAX_DECODED_BYTES {
+            return Err(fail!(
+                BadInput,
+                "frame.size: {width}x{height} pixels with {} bounces are more than a file of sums holds; lower --bounces or the size",
+                settings.bounces
+            ));
+        }
         let empty;
         let sums = match sums {
             Some(sums) => sums,
@@ -135,7 +144,7 @@ impl Tracer {
             settings,
             sums: image,
             samples: sums.samples,
-            rows: 8,
+            rows_at_once: 8,
         })
     }
 
@@ -153,16 +162,13 @@ impl Tracer {
         let (mut rays, mut ms) = (0, 0.0);
         let mut row = 0;
         while row < self.view.height {
-            let rows = self.rows.min(self.view.height - row);
+            let rows = self.rows_at_once.min(self.view.height - row);
             let start = Instant::now();
             let (traced, took) = self.rows(renderer, execution, row, rows)?;
             rays += traced;
             ms += took;
             row += rows;
-            // In whole workgroups.
-            let fitting = f64::from(rows) * SUBMISSION_SECONDS / start.elapsed().as_secs_f64().max(1e-6);
-            let most = (self.rows * 2).min(self.view.height).max(8);
-            self.rows = (fitting.min(f64::from(most)) as u32).next_multiple_of(8);
+            self.rows_at_once = fitting_rows(rows, start.elapsed().as_secs_f64(), self.view.height);
         }
         self.samples += 1;
         Ok((rays, ms))
@@ -176,7 +182,7 @@ impl Tracer {
         lights[..self.lights.len()].copy_from_slice(&self.lights);
         let lights = g.upload("lights", &lights);
         let view = g.upload("view", &[self.view]);
-        let counter = g.upload("reference/rays", &[0u32]);
+        let counter = g.upload("reference/rays", &[0u32; 2]);
         let (size, layers) = self.sums_size();
         let sums = g.keep_image("reference/sums", self.sums, Format::Rgba32Float, size, layers);
         g.compute("reference/path")
@@ -206,7 +212,15 @@ impl Tracer {
             .dispatch([self.view.width, rows, 1]);
         let counted = g.read_back(counter);
         let outcome = renderer.engine().execute(&g, execution)?;
-        let rays = bytemuck::pod_read_unaligned::<u32>(outcome.bytes(counted));
+        let [rays, unfinished] = bytemuck::pod_read_unaligned::<[u32; 2]>(outcome.bytes(counted));
+        if unfinished != 0 {
+            return Err(fail!(
+                BadInput,
+                "paths of {} bounces take more steps through this scene than {} lets a shader run; lower --bounces",
+                self.settings.bounces,
+                renderer.gpu().adapter.name
+            ));
+        }
         Ok((u64::from(rays), outcome.times.iter().map(|(_, ms)| ms).sum()))
     }
 
@@ -255,6 +269,14 @@ impl Tracer {
     }
 }
 
+/// How many rows a submission should trace, after one of `rows` took so long: in whole workgroups, at least one of them, and at
+/// most twice as many as before, since one measurement may be a stray.
+fn fitting_rows(rows: u32, seconds: f64, height: u32) -> u32 {
+    let fitting = f64::from(rows) * SUBMISSION_SECONDS / seconds.max(1e-6);
+    let most = rows.saturating_mul(2).min(height).max(8);
+    (fitting.min(f64::from(most)) as u32).max(1).next_multiple_of(8)
+}
+
 /// Luminance of a light's flux into the scene, W.
 fn power(light: &Light, bounds: Aabb) -> f32 {
     let luminance = |color: Vec3| color.dot(Vec3::new(0.2126, 0.7152, 0.0722));
@@ -279,4 +301,19 @@ pub struct Features {
     pub normals_and_distances: Vec<[f32; 4]>,
     /// World position, metres; the fourth number is 1 where there is a surface.
     pub positions: Vec<[f32; 4]>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_submission_is_never_empty_and_grows_and_shrinks_to_its_time() {
+        assert_eq!(fitting_rows(8, 3600.0, 270), 8);
+        assert_eq!(fitting_rows(1, 0.3, 9), 8);
+        assert_eq!(fitting_rows(64, 0.25, 1080), 64);
+        assert_eq!(fitting_rows(64, 0.5, 1080), 32);
+        assert_eq!(fitting_rows(64, 1e-9, 1080), 128);
+        assert_eq!(fitting_rows(u32::MAX, 1e-9, 270), 272);
+    }
 }

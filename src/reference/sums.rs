@@ -108,12 +108,7 @@ impl Sums {
         let mean = self.mean(Layer::Radiance).iter().flat_map(|texel| texel[..3].to_vec()).map(f64::from).sum::<f64>();
         let variance = self.variance().iter().flatten().map(|v| f64::from(*v)).sum::<f64>();
         let count = 3.0 * self.pixels() as f64;
-        if self.samples < 2 {
-            f64::INFINITY
-        } else if variance == 0.0 {
-            0.0
-        } else {
-            (variance / count).sqrt() / (mean / count)
-        }
+        // A picture that is still black may have light that no path has found.
+        if self.samples < 2 || mean == 0.0 { f64::INFINITY } else { (variance / count).sqrt() / (mean / count) }
     }
 }

@@ -20,7 +20,7 @@ const COUNT_SHIFT: u32 = 28;
 const MOST_IN_LEAF: u32 = 2;
 /// Triangles that links can number.
 pub const MOST_TRIANGLES: u64 = 1 << COUNT_SHIFT;
-/// The traversal's stack: [`Bvh::depth`] is never more, or the tree is built again in a plainer way.
+/// The traversal's stack, one word a level: a tree that is deeper is refused.
 pub const STACK: usize = 64;
 
 /// What the traversal must know of a triangle beside its corners.
@@ -205,9 +205,11 @@ fn lay_out(tree: &Bvh2, records: &[Triangle]) -> Bvh {
     bvh.depth = tree.depth(0);
     bvh.triangles.reserve(records.len());
     if root.is_leaf() {
+        // Both children are the one leaf: what is met twice is met once.
         let link = bvh.leaf(tree, records, 0);
         let child = bvh.child(root.aabb(), link);
         bvh.nodes[0][..4].copy_from_slice(&child);
+        bvh.nodes[0][4..].copy_from_slice(&child);
         return bvh;
     }
     bvh.nodes.reserve(tree.nodes.len() / 2 + 1);
@@ -233,8 +235,8 @@ fn lay_out(tree: &Bvh2, records: &[Triangle]) -> Bvh {
 /// Grid cells a side.
 const GRID: f32 = 65_535.0;
 
-/// Two children that no ray meets: their upper planes are under their lower ones.
-const NOTHING: Node = [0xffff, 0xffff, 0xffff, 0, 0xffff, 0xffff, 0xffff, 0];
+/// Two children whose links end the traversal: the root of no triangles, and what a node is before it is filled.
+const NOTHING: Node = [0, 0, 0, u32::MAX, 0, 0, 0, u32::MAX];
 
 impl Bvh {
     /// Adds a leaf's triangles; the link to them.

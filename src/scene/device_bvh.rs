@@ -1,6 +1,6 @@
 //! A scene's bounding volume hierarchy on the device: images of four words a texel, and the grid that its boxes lie on.
 
-use super::bvh::{Bvh, MOST_TRIANGLES};
+use super::bvh::{Bvh, MOST_TRIANGLES, STACK};
 use crate::fail;
 use crate::gpu::{Format, Gpu, ImageId};
 use crate::graph::{Buffer, Graph, Image};
@@ -81,6 +81,13 @@ impl DeviceBvh {
                 BadInput,
                 "{scene}: {} triangles are over the {MOST_TRIANGLES} that rays can tell apart",
                 bvh.triangles.len()
+            ));
+        }
+        if bvh.depth > STACK {
+            return Err(fail!(
+                BadInput,
+                "{scene}: its bounding volume hierarchy is {} levels deep, over the {STACK} that rays can keep track of; its triangles' sizes differ too much",
+                bvh.depth
             ));
         }
         let data = BvhData { origin: bvh.origin.into(), padding0: 0.0, cell: bvh.cell.into(), padding1: 0.0 };

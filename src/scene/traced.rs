@@ -25,10 +25,10 @@ shader_struct! {
     }
 }
 
-/// The image of all texels is so wide and, where it has layers, so high; `glsl/bvh/surface.glsl` divides by it.
+/// The image of all texels is so wide and, where it has layers, so high; `glsl/bvh/hole.glsl` divides by it.
 const SIDE: usize = 4096;
 
-/// What some material of a scene has: specialization constants of `glsl/bvh/surface.glsl`.
+/// What some material of a scene has: specialization constants of `glsl/bvh/`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Traits {
     base_color_maps: bool,
@@ -154,7 +154,7 @@ pub(super) fn first_texels(scene: &Scene) -> Vec<u32> {
     scene.textures.iter().scan(0, begin).collect()
 }
 
-/// Where a map's texels are: the first, width and height, and how it wraps; `TexelMap` of `glsl/bvh/surface.glsl`.
+/// Where a map's texels are: the first, width and height, and how it wraps; `TexelMap` of `glsl/bvh/hole.glsl`.
 pub(super) fn texel_map(map: Option<Map>, scene: &Scene, first: &[u32]) -> [u32; 3] {
     let Some(map) = map else { return [0; 3] };
     let texture = &scene.textures[map.texture as usize];

@@ -15,7 +15,7 @@ shader_struct! {
     }
 }
 
-/// llvmpipe ends an invocation's loops after 65,535 turns in all, without a word; `glsl/gather/per-pixel.comp` takes at most
+/// llvmpipe ends an invocation's loops after 65,535 turns in all, without a word; `glsl/gather/per-pixel.glsl` takes at most
 /// two turns for four VPLs.
 pub const MOST_VPLS_A_PIXEL: u64 = 100_000;
 

@@ -26,6 +26,7 @@ void main() {
     if (2u * i >= uint(rays.at.length())) return;
     vec4 origin = rays.at[2u * i], direction = rays.at[2u * i + 1u];
     Hit hit = traverse(make_ray(origin.xyz, direction.xyz), 0.0, direction.w, origin.w != 0.0, false);
+    if (unfinished) hit.t = -1.0;
     hits.at[i] = vec4(hit.t, uintBitsToFloat(hit.triangle), hit.weights);
 }
 ";
@@ -74,6 +75,7 @@ fn trace(bvh: &Bvh, rays: &[Ray]) -> Vec<Found> {
     let outcome = engine.execute(&g, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
     let hits: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(outcome.bytes(read));
     finish(&engine.gpu);
+    assert!(hits.iter().all(|hit| hit[0] >= 0.0), "a traversal did not end");
     let found = |hit: [f32; 4]| Found {
         t: hit[0],
         triangle: (hit[1].to_bits() != u32::MAX).then_some(hit[1].to_bits() as usize),
@@ -220,6 +222,8 @@ fn no_ray_slips_through_between_two_triangles() {
 #[test]
 fn a_scene_of_one_triangle_or_none_has_a_hierarchy_too() {
     let empty = Bvh::build(&Scene::default());
+    let inside = Ray { origin: Vec3::ZERO, direction: Vec3::ONE, any_before: None };
+    assert!(trace(&empty, &[inside])[0].triangle.is_none());
     let up = |x: f32| Ray { origin: Vec3::new(x, -1.0, 0.1), direction: Vec3::Y, any_before: None };
     assert!(trace(&empty, &[up(0.1)])[0].triangle.is_none());
     let mut scene = Scene::default();

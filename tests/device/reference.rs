@@ -126,6 +126,26 @@ fn half_open() -> (Scene, Material) {
 }
 
 #[test]
+fn the_holes_of_a_glowing_surface_do_not_glow() {
+    let (mut scene, material) = half_open();
+    add_quad(&mut scene, floor(Vec3::ZERO, 50.0), matte([0.5; 3]));
+    let mut mesh = Mesh::default();
+    mesh.quad(floor(Vec3::new(0.0, 2.0, 0.0), 0.5), [Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::new(1.0, 0.0), Vec2::ZERO]);
+    let lamp = scene.add_material(Material { emission: [3.0; 3], base_color: [0.0, 0.0, 0.0, 1.0], ..material });
+    scene.add_mesh(&mesh, lamp, &[Affine3A::IDENTITY]);
+    let mut renderer = traced(scene);
+    let config = plain([8, 8], Vec3::new(0.0, 1.0, 0.6), Vec3::ZERO, 2.0, no_light());
+    let sums = reference(&mut renderer, &config, bounces(0), 1024);
+    finish(renderer.gpu());
+    // Half of what the whole square gives below its middle.
+    let a = 0.25f64;
+    let quarter = 2.0 / std::f64::consts::TAU * (a / (1.0 + a * a).sqrt() * (a / (1.0 + a * a).sqrt()).atan());
+    let (found, expected) = (mean(&sums.mean(Layer::Direct), |_| true), 0.5 * 3.0 * 2.0 * quarter);
+    println!("{found:.5}, expected {expected:.5}");
+    assert!((found / expected - 1.0).abs() < 0.015, "{found} instead of {expected}");
+}
+
+#[test]
 fn rays_pass_through_masked_texels_and_stop_at_the_others() {
     let (mut scene, material) = half_open();
     add_quad(&mut scene, floor(Vec3::ZERO, 2.0), matte([0.5; 3]));
@@ -294,6 +314,15 @@ fn all_texels_seen_by_rays_are_the_first_bounce_in_the_atrium() {
     finish(renderer.gpu());
 }
 
+/// Direct light by a shadow map of many texels, and single comparisons.
+fn mapped(renderer: &mut Renderer, config: &mut Config) -> Vec<[f32; 4]> {
+    config.direct.shadows = Shadows::PercentageCloser;
+    config.direct.blur = 0;
+    config.rsm.size = [4096, 4096];
+    let picture = picture(renderer, config);
+    (0..picture.depth.values.len()).map(|i| picture.direct.at(i)).collect()
+}
+
 #[test]
 fn direct_light_is_the_path_tracers() {
     let sun = || directional(Vec3::new(0.22, -1.0, 0.3), [22.0, 20.5, 18.0]);
@@ -313,9 +342,20 @@ fn direct_light_is_the_path_tracers() {
         let sums = reference(&mut renderer, &config, centered(0), 4);
         finish(renderer.gpu());
         let found: Vec<[f32; 4]> = (0..found.depth.values.len()).map(|i| found.direct.at(i)).collect();
-        let ratio = mean(&found, |_| true) / mean(&sums.mean(Layer::Direct), |_| true);
+        let truth = sums.mean(Layer::Direct);
+        let ratio = mean(&found, |_| true) / mean(&truth, |_| true);
         println!("{name}: direct light by rays is {ratio:.4} of the path tracer's");
         assert!((ratio - 1.0).abs() < 0.01, "{name}: the direct light is {ratio} of the path tracer's");
+        // By the map, it differs at the edges of shadows alone: where both are lit, it is the same.
+        let mapped = mapped(&mut renderer, &mut config);
+        let lit = |i: usize| truth[i][..3].iter().sum::<f32>() > 0.0 && mapped[i][..3].iter().sum::<f32>() > 0.0;
+        let of_lit = mean(&mapped, lit) / mean(&truth, lit);
+        let agree = |i: &usize| (mapped[*i][1] - found[*i][1]).abs() <= 0.02 * found[*i][1].max(0.02);
+        let same = (0..truth.len()).filter(agree).count() as f64 / truth.len() as f64;
+        let all = mean(&mapped, |_| true) / mean(&truth, |_| true);
+        println!("{name}: by a map {all:.4}, where both are lit {of_lit:.4}; {:.1} % of the pixels are as by rays", same * 100.0);
+        finish(renderer.gpu());
+        assert!((of_lit - 1.0).abs() < 0.03 && same > 0.85, "{name}: {of_lit} where both are lit, {same} of the pixels");
     }
 }
 
@@ -352,6 +392,14 @@ fn paths_are_the_same_however_the_work_is_cut_up() {
     let light = spot(Vec3::new(0.0, 5.4, 0.3), Vec3::NEG_Y, [45.0, 40.0, 32.0], 50.0, 75.0);
     let mut config = plain([40, 72], Vec3::new(0.0, 2.74, 10.9), Vec3::new(0.0, 2.74, 0.0), 37.0, light);
     let whole = reference(&mut renderer, &config, bounces(2), 6);
+    for rows in [8, 72] {
+        let mut tracer = Tracer::new(&mut renderer, &config, bounces(2), None).unwrap();
+        for _ in 0..6 {
+            tracer.rows_at_once = rows;
+            tracer.sample(&mut renderer, &Execution::default()).unwrap();
+        }
+        assert!(tracer.sums(&mut renderer).unwrap() == whole, "{rows} rows at once give other sums");
+    }
     // Stopped, brought to the host, and gone on from.
     let half = reference(&mut renderer, &config, bounces(2), 2);
     let mut tracer = Tracer::new(&mut renderer, &config, bounces(2), Some(&half)).unwrap();
