@@ -3,6 +3,7 @@
 
 pub mod cache;
 pub mod cli;
+pub mod color;
 pub mod commands;
 pub mod config;
 pub mod error;

@@ -10,10 +10,12 @@ pub mod render;
 
 use crate::cli::{Cli, Command};
 use crate::config::{self, Config};
+use crate::gpu::{DeviceChoice, Gpu, Options};
 use crate::graph::Timing;
 use crate::presets;
-use crate::renderer::{Renderer, timing};
+use crate::renderer::{Renderer, load_scene, timing};
 use crate::report::{Device, Provenance};
+use crate::scene::Scene;
 use anyhow::Result;
 use std::path::Path;
 
@@ -35,6 +37,14 @@ fn load_config(path: &Path, overrides: &[String]) -> Result<Config> {
         Some(text) if !path.exists() => config::parse(text, &path.with_extension("toml"), overrides),
         _ => config::load(path, overrides),
     }
+}
+
+/// The device and the scene of a run, each while the other is waited for, and what the user should be told.
+fn open(config: &Config, device: Option<&DeviceChoice>, validate: bool) -> Result<(Gpu, Scene, Vec<String>)> {
+    let options = Options { device: device.cloned().unwrap_or_default(), validate };
+    let (scene, gpu) = rayon::join(|| load_scene(&config.scene), || Gpu::new(&options));
+    let (gpu, (scene, warnings)) = (gpu?, scene?);
+    Ok((gpu, scene, warnings))
 }
 
 /// Where the figures of a run come from.

@@ -1,16 +1,15 @@
 //! `manylight reference CONFIG`: ground truth by path tracing, layer by layer, with its variance.
 
 use super::progress::Progress;
-use super::{load_config, provenance};
+use super::{load_config, open, provenance};
 use crate::cli::ReferenceArgs;
 use crate::config::Config;
 use crate::fail;
-use crate::gpu::{Gpu, Options};
 use crate::graph::Execution;
 use crate::output::exr::Precision;
 use crate::output::{Layer as ExrLayer, RunReport, prepare_folder, write_exr, write_file, write_png};
 use crate::reference::{Features, Layer, Settings, Sums, Tracer, develop, load_sums, save_sums};
-use crate::renderer::{Renderer, load_scene, timing};
+use crate::renderer::{Renderer, timing};
 use crate::report::{PassTime, Timings, peak_memory_bytes, timings_csv};
 use crate::scene::Scene;
 use anyhow::{Context, Result};
@@ -30,9 +29,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     prepare_folder(&folder)?;
     let progress = Progress::new(args.quiet);
     progress.say("loading the scene");
-    let options = Options { device: args.device.clone().unwrap_or_default(), validate: args.validate };
-    let (scene, gpu) = rayon::join(|| load_scene(&config.scene), || Gpu::new(&options));
-    let (gpu, (scene, warnings)) = (gpu?, scene?);
+    let (gpu, scene, warnings) = open(&config, args.device.as_ref(), args.validate)?;
     warnings.iter().for_each(|warning| progress.warn(warning));
     let settings = Settings {
         bounces: args.bounces,

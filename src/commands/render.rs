@@ -1,15 +1,14 @@
 //! `manylight render CONFIG`: pictures, layers, times, and a record of how they came about.
 
 use super::progress::Progress;
-use super::{load_config, provenance};
+use super::{load_config, open, provenance};
 use crate::cli::RenderArgs;
 use crate::config::Layer as LayerName;
 use crate::fail;
-use crate::gpu::{Gpu, Options};
 use crate::graph::{Dump, DumpData, Execution};
 use crate::output::exr::Precision;
 use crate::output::{Layer, RunReport, prepare_folder, write_exr, write_file, write_png};
-use crate::renderer::{Picture, Plane, Renderer, load_scene, needs_rays, timing};
+use crate::renderer::{Picture, Plane, Renderer, needs_rays, timing};
 use crate::report::{PassTime, Timings, peak_memory_bytes, timing_table, timings_csv};
 use anyhow::{Context, Result};
 use std::path::Path;
@@ -24,9 +23,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let progress = Progress::new(args.quiet);
 
     progress.say("loading the scene");
-    let options = Options { device: args.device.clone().unwrap_or_default(), validate: args.validate };
-    let (scene, gpu) = rayon::join(|| load_scene(&config.scene), || Gpu::new(&options));
-    let (gpu, (scene, mut warnings)) = (gpu?, scene?);
+    let (gpu, scene, mut warnings) = open(&config, args.device.as_ref(), args.validate)?;
     progress.say("bringing the scene to the device");
     let mut renderer = if needs_rays(&config) { Renderer::traced(gpu, scene)? } else { Renderer::new(gpu, scene)? };
     renderer.check(&config)?;

@@ -1,5 +1,6 @@
 //! Texel formats: size, meaning, and decoding to numbers for files and tests.
 
+use crate::color::srgb_to_linear;
 use ash::vk;
 use half::f16;
 
@@ -108,11 +109,6 @@ impl WithZeros for [f32; 2] {
     fn with_zeros(self) -> [f32; 4] {
         [self[0], self[1], 0.0, 0.0]
     }
-}
-
-/// The sRGB curve: encoded value to linear, both in [0, 1].
-pub fn srgb_to_linear(encoded: f32) -> f32 {
-    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
 #[cfg(test)]

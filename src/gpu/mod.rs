@@ -22,7 +22,7 @@ mod types;
 pub use adapter::{Adapter, DeviceChoice, Feature};
 pub use commands::{Attachment, Commands, Load};
 pub use device::{Gpu, Options};
-pub use format::{Format, srgb_to_linear};
+pub use format::Format;
 pub use memory::{BufferId, ImageDesc, ImageId};
 pub use pipeline::{PipelineId, RasterState};
 pub use shader::{Binding, BindingKind, Block, BlockMember, Shader, ShaderAccess, ShaderStage};

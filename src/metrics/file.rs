@@ -1,6 +1,7 @@
 //! Images out of files.
 
-use super::{Content, Image, srgb_to_linear};
+use super::{Content, Image};
+use crate::color::srgb_to_linear;
 use crate::config::nearest;
 use crate::fail;
 use crate::output::{read_exr, read_png};

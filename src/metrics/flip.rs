@@ -1,7 +1,8 @@
 //! FLIP, the difference that is seen when two pictures are shown in turn (Andersson et al. 2020), and HDR-FLIP, its maximum over
 //! exposures (Andersson et al. 2021).
 
-use super::{Image, linear_to_srgb8, luminance};
+use super::Image;
+use crate::color::{linear_to_srgb8, luminance};
 use rayon::prelude::*;
 use serde::Serialize;
 

@@ -3,18 +3,17 @@
 //! Plain numbers in, plain numbers out. Sums are of 64 bits and in a fixed order: the same images give the same figures to the
 //! last bit, on however many cores.
 
-mod color;
 mod file;
 mod flip;
 mod heatmap;
 mod image;
 
-pub use color::{linear_to_srgb8, luminance, srgb_to_linear};
 pub use file::ImageFile;
 pub use flip::Exposures;
 pub use heatmap::heatmap;
 pub use image::{Content, Image};
 
+use crate::color::luminance;
 use crate::fail;
 use anyhow::Result;
 use rayon::prelude::*;

@@ -1,6 +1,7 @@
 //! The path tracer's sums as a file, and its picture.
 
 use super::{Layer, Sums};
+use crate::color::{linear_to_srgb8, luminance};
 use crate::config::{ComposeConfig, Tonemap};
 use crate::fail;
 use crate::output::exr::Precision;
@@ -73,10 +74,9 @@ pub fn develop(sums: &Sums, config: &ComposeConfig) -> Vec<u8> {
         let empty = 1.0 - texel[3].clamp(0.0, 1.0);
         let mut shown = Vec3::new(texel[0], texel[1], texel[2]) * config.exposure + empty * Vec3::from(config.background);
         if config.tonemap == Tonemap::Reinhard {
-            shown /= 1.0 + shown.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+            shown /= 1.0 + luminance(&shown.to_array()) as f32;
         }
-        let encode = |c: f32| if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
-        let [r, g, b] = shown.clamp(Vec3::ZERO, Vec3::ONE).to_array().map(|c| (encode(c) * 255.0).round() as u8);
+        let [r, g, b] = shown.to_array().map(|light| linear_to_srgb8(light.into()));
         [r, g, b, 255]
     };
     sums.mean(Layer::Radiance).into_iter().flat_map(pixel).collect()

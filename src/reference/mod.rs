@@ -10,6 +10,7 @@ mod sums;
 pub use files::{develop, load_sums, save_sums};
 pub use sums::{Layer, Sums};
 
+use crate::color::luminance;
 use crate::config::{Config, Dielectric};
 use crate::fail;
 use crate::gpu::{Format, ImageId};
@@ -279,7 +280,7 @@ fn fitting_rows(rows: u32, seconds: f64, height: u32) -> u32 {
 
 /// Luminance of a light's flux into the scene, W.
 fn power(light: &Light, bounds: Aabb) -> f32 {
-    let luminance = |color: Vec3| color.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+    let luminance = |color: Vec3| luminance(&color.to_array()) as f32;
     match *light {
         Light::Directional { irradiance, .. } => luminance(irradiance) * bounds.size().length_squared() * 0.25,
         Light::Spot { intensity, outer, .. } => luminance(intensity) * TAU * (1.0 - outer.cos()),

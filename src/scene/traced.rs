@@ -7,6 +7,7 @@
 use super::bvh::Bvh;
 use super::device_bvh::{BvhHandles, DeviceBvh, WordImage};
 use super::{Map, Material, Scene, Texture, Wrap};
+use crate::color::{luminance, srgb_to_linear};
 use crate::fail;
 use crate::gpu::{Format, Gpu, ImageId};
 use crate::graph::{Buffer, ComputePass, Graph, Image};
@@ -209,16 +210,12 @@ fn upload_texels(gpu: &mut Gpu, scene: &Scene) -> Result<(ImageId, [u32; 3])> {
     Ok((gpu.create_filled_image("scene/texels", Format::Rgba8Unorm, size, &texels, false)?, size))
 }
 
-fn luminance(color: DVec3) -> f64 {
-    color.dot(DVec3::new(0.2126, 0.7152, 0.0722))
-}
-
 /// How likely a material's surface is sampled as a light, before it is normalized: its mean luminance, both sides together.
 fn emitter_weight(scene: &Scene, material: &Material) -> f64 {
     let mean = material.emission_map.map_or(DVec3::ONE, |map| {
         let texture = &scene.textures[map.texture as usize];
         let curve = |byte: u8| match f32::from(byte) / 255.0 {
-            encoded if texture.srgb => f64::from(crate::gpu::srgb_to_linear(encoded)),
+            encoded if texture.srgb => f64::from(srgb_to_linear(encoded)),
             linear => f64::from(linear),
         };
         let table: Vec<f64> = (0..=255).map(curve).collect();
@@ -228,7 +225,7 @@ fn emitter_weight(scene: &Scene, material: &Material) -> f64 {
         (texels.map(|t| DVec3::new(table[t[0] as usize], table[t[1] as usize], table[t[2] as usize])).sum::<DVec3>() / count)
             .max(DVec3::splat(1e-4))
     });
-    luminance(Vec3::from(material.emission).as_dvec3() * mean)
+    luminance(&(Vec3::from(material.emission) * mean.as_vec3()).to_array())
 }
 
 fn corner(record: &super::bvh::Triangle, at: usize) -> DVec3 {

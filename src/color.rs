@@ -1,4 +1,4 @@
-//! From sRGB to light and back.
+//! From sRGB to light and back, and how bright light is.
 
 /// Luminance of a linear sRGB colour (Rec. 709).
 pub fn luminance(rgb: &[f32]) -> f64 {
