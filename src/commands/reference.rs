@@ -27,6 +27,11 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let config = load_config(&args.config, &args.overrides())?;
     let folder = args.output();
     prepare_folder(&folder)?;
+    let _ = ctrlc::set_handler(|| {
+        if STOPPED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
     let progress = Progress::new(args.quiet);
     progress.say("loading the scene");
     let (gpu, scene, warnings) = open(&config, args.device.as_ref(), args.validate)?;
@@ -49,17 +54,13 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     // Whatever the end of the run needs is needed once before, so that it does not fail for want of memory after hours.
     let features = tracer.features(&mut renderer)?;
     tracer.sums(&mut renderer)?;
-    let _ = ctrlc::set_handler(|| {
-        if STOPPED.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    });
 
     let execution = Execution { timing: timing(&config, &renderer.gpu().adapter), ..Execution::default() };
     let (start, mut kept_at) = (Instant::now(), Instant::now());
     let mut times = Vec::new();
     let mut rays = 0;
-    while tracer.samples() < args.spp && !STOPPED.load(Ordering::Relaxed) {
+    // A run that is stopped while it makes ready leaves one sample, so that there is something.
+    while tracer.samples() < args.spp && (tracer.samples() == 0 || !STOPPED.load(Ordering::Relaxed)) {
         let (traced, ms) = tracer.sample(&mut renderer, &execution)?;
         times.push(PassTime { frame: tracer.samples() - 1, pass: "reference/path".to_owned(), ms });
         rays += traced;
