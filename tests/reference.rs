@@ -4,7 +4,7 @@ use manylight::output::read_exr;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output};
 use std::time::{Duration, Instant};
 
 const SMALL: &str = "[scene]\nbuiltin = \"cornell\"\n[frame]\nsize = [48, 32]\n";
@@ -79,6 +79,12 @@ fn bytes(path: &Path) -> Vec<u8> {
     fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
+/// Ctrl-C, by the shell's own `kill`: not every system has the program.
+fn interrupt(child: &Child) {
+    let kill = format!("kill -INT {}", child.id());
+    assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+}
+
 fn samples(place: &Place, folder: &str) -> u64 {
     place.run_json(folder)["counts"]["reference/samples"].as_u64().unwrap()
 }
@@ -144,7 +150,7 @@ fn a_run_stops_in_time_at_an_error_and_at_ctrl_c() {
     assert!(error <= 0.2 && samples(&place, "error") >= 16, "{error}");
     let mut child = place.command("reference box.toml -o stopped --spp 1000000 --quiet").spawn().unwrap();
     std::thread::sleep(Duration::from_secs(3));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    interrupt(&child);
     assert_eq!(child.wait().unwrap().code(), Some(0));
     let done = samples(&place, "stopped");
     assert!((1..1_000_000).contains(&done));
@@ -192,7 +198,7 @@ fn an_output_folder_that_vanishes_ends_with_its_code() {
     let mut child = place.command("reference box.toml -o gone --spp 1000000 --quiet").stderr(std::process::Stdio::piped()).spawn().unwrap();
     std::thread::sleep(Duration::from_secs(3));
     fs::remove_dir_all(place.path("gone")).unwrap();
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    interrupt(&child);
     let code = child.wait().unwrap().code();
     let mut stderr = String::new();
     std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut stderr).unwrap();
