@@ -1,7 +1,7 @@
 //! A bounding volume hierarchy over all triangles of a scene, laid out for the traversal in `glsl/bvh/traverse.glsl`.
 //!
-//! The tree is built by a crate (PLOC with reinsertion); here it becomes records of 16-byte texels. Images hold them, since a
-//! software driver fetches a texel of four words at about the cost of one word of a storage buffer.
+//! The tree is built by a crate (PLOC with reinsertion); here it becomes records of 16-byte texels. Images hold them: a software
+//! driver traverses them some 15 % faster than storage buffers, which it limits to 128 MiB besides.
 
 use super::traced::{first_texels, texel_map};
 use super::{Map, Material, Scene, Vertex, pack};

@@ -1,8 +1,8 @@
 //! What rays see of a scene on the device, since a ray may meet any surface: the bounding volume hierarchy with what its triangles
 //! look like, all materials and all textures' texels in an image each, and the surfaces that emit.
 //!
-//! It is made from the same arrays as what the rasterizer draws. Those buffers themselves would do, but a software driver reads a
-//! buffer lane by lane and word by word, and a texel of four words at about the cost of one of those.
+//! It is made from the same arrays as what the rasterizer draws. Those buffers themselves would do for small scenes, but a software
+//! driver lets a shader see 128 MiB of one, and traverses images some 15 % faster.
 
 use super::bvh::Bvh;
 use super::device_bvh::{BvhHandles, DeviceBvh, WordImage};

@@ -218,8 +218,8 @@ fn what_the_middle_of_a_pixel_shows_is_what_the_rasterizer_draws() {
     for i in 0..positions.len() {
         let ([nx, ny, nz, z], [x, y, z_world, surface]) = (features.normals_and_distances[i], features.positions[i]);
         // The rasterizer moves corners by up to a 256th of a pixel, which slanted surfaces turn into distance.
-        let near = (z - distances[i]).abs() < 5e-3 * z.max(1.0) && (surface > 0.0) == (distances[i] > 0.0);
-        if near && (surface == 0.0 || positions[i].distance(Vec3::new(x, y, z_world)) < 5e-3 * z) {
+        let near = (z - distances[i]).abs() < 1e-3 * (1.0 + z) && (surface > 0.0) == (distances[i] > 0.0);
+        if near && (surface == 0.0 || positions[i].distance(Vec3::new(x, y, z_world)) < 1e-3 * (1.0 + z)) {
             same += 1;
             normals_same += usize::from(surface == 0.0 || normals[i].dot(Vec3::new(nx, ny, nz)) > 0.99);
         }
