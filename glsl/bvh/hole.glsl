@@ -79,10 +79,10 @@ bool is_hole(uint mask, vec2 barycentric) {
 }
 
 // The nearest surface from t_min on.
-Hit nearest(Ray ray, float t_min, bool from_camera) { return traverse(ray, t_min, 1e30, false, from_camera); }
+Hit nearest(Ray ray, float t_min, bool from_camera) { return traverse(ray, 0u, t_min, 1e30, false, from_camera); }
 
 // Whether a surface lies on a ray before t_max.
-bool is_occluded(Ray ray, float t_max) { return traverse(ray, 0.0, t_max, true, false).triangle != NO_TRIANGLE; }
+bool is_occluded(Ray ray, float t_max) { return traverse(ray, 0u, 0.0, t_max, true, false).triangle != NO_TRIANGLE; }
 
 // A point just off a surface, on the side of its normal, so that a ray from there does not meet it again (Wächter and Binder 2019):
 // by so many steps of the floats that the coordinates are.

@@ -56,6 +56,26 @@ vec3 emission_at(uint material, vec2 uv) {
     return emission;
 }
 
+// What a hit shines by itself towards where the ray came from.
+struct Shine {
+    vec3 emission;         // radiance
+    float emitter_density; // by which its point is sampled as a light, 1/m^2
+    float cosine;          // of the ray to the surface
+};
+
+Shine shine_at(Ray ray, Hit hit) {
+    uvec4 ta = triangle_texel(3u * hit.triangle), tb = triangle_texel(3u * hit.triangle + 1u), tc = triangle_texel(3u * hit.triangle + 2u);
+    vec3 a = uintBitsToFloat(ta.xyz), face = cross(uintBitsToFloat(tb.xyz) - a, uintBitsToFloat(tc.xyz) - a);
+    float cosine = -dot(normalize(face), normalize(ray.direction));
+    if (cosine < 0.0 && (tc.w & SINGLE_SIDED) != 0u) return Shine(vec3(0.0), 0.0, 0.0);
+    vec2 uv = vec2(0.0);
+    if (EMISSION_MAPS) {
+        uvec4 ca = corner_texel(3u * hit.triangle), cb = corner_texel(3u * hit.triangle + 1u), cc = corner_texel(3u * hit.triangle + 2u);
+        uv = (1.0 - hit.weights.x - hit.weights.y) * uintBitsToFloat(ca.yz) + hit.weights.x * uintBitsToFloat(cb.yz) + hit.weights.y * uintBitsToFloat(cc.yz);
+    }
+    return Shine(emission_at(ta.w, uv), material_numbers(ta.w, 1u).w, abs(cosine));
+}
+
 // All of a hit.
 Surface surface_at(Ray ray, Hit hit) {
     uvec4 ta = triangle_texel(3u * hit.triangle), tb = triangle_texel(3u * hit.triangle + 1u), tc = triangle_texel(3u * hit.triangle + 2u);

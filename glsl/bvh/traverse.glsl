@@ -14,8 +14,9 @@ struct Bvh {
 };
 
 layout(scalar) uniform BvhBlock { Bvh it; } bvh;
-uniform usampler2D bvh_nodes;
-uniform usampler2D bvh_triangles;
+// Loaded and not fetched: a software driver works a mip out for each texel that is fetched, which takes most of the traversal.
+layout(rgba32ui) readonly uniform uimage2D bvh_nodes;
+layout(rgba32ui) readonly uniform uimage2D bvh_triangles;
 
 const uint LEAF = 0x80000000u;
 const uint COUNT_SHIFT = 28u;
@@ -35,8 +36,8 @@ struct Hit {
 
 bool is_hole(uint mask, vec2 weights);
 
-uvec4 node_texel(uint i) { return texelFetch(bvh_nodes, ivec2(i & 4095u, i >> 12), 0); }
-uvec4 triangle_texel(uint i) { return texelFetch(bvh_triangles, ivec2(i & 4095u, i >> 12), 0); }
+uvec4 node_texel(uint i) { return imageLoad(bvh_nodes, ivec2(i & 4095u, i >> 12)); }
+uvec4 triangle_texel(uint i) { return imageLoad(bvh_triangles, ivec2(i & 4095u, i >> 12)); }
 
 // Where a ray enters and leaves a box of the grid. Signed, since that is the conversion to floats that processors have.
 vec2 hit_box(uvec3 planes, vec3 scale, vec3 offset) {
@@ -49,61 +50,69 @@ vec2 hit_box(uvec3 planes, vec3 scale, vec3 offset) {
 // Set where a driver has ended a loop before its time, as llvmpipe does after 65,535 turns of all loops of an invocation together.
 bool unfinished = false;
 
-// The nearest hit from t_min on and before t_max; of equal distances that of the lower number. Holes are none, and neither are to
-// the camera the backs of single-sided surfaces. Where `any`, some hit.
-Hit traverse(Ray ray, float t_min, float t_max, bool any, bool from_camera) {
+// The nearest hit under a root from t_min on and before t_max; of equal distances that of the lower number. Holes are none, and
+// neither are to the camera the backs of single-sided surfaces. Where `any`, some hit.
+Hit traverse(Ray ray, uint root, float t_min, float t_max, bool any, bool from_camera) {
     vec3 scale = bvh.it.cell * ray.inverse;
     vec3 offset = (bvh.it.origin - ray.origin) * ray.inverse;
     uint stack[STACK];
     uint top = 0u;
     Hit hit = Hit(t_max, NO_TRIANGLE, vec2(0.0));
-    uint at = 0u;
+    uint at = root;
+    // The look at a masked triangle's texture stands outside: lanes go on to their next masked triangle before any looks.
     while (at != DONE) {
-        while (at < LEAF) {
-            uvec4 a = node_texel(2u * at), b = node_texel(2u * at + 1u);
-            vec2 ta = hit_box(a.xyz, scale, offset), tb = hit_box(b.xyz, scale, offset);
-            bool into_a = max(ta.x, t_min) <= min(ta.y, hit.t), into_b = max(tb.x, t_min) <= min(tb.y, hit.t);
-            bool a_first = ta.x <= tb.x;
-            // Few branches: a driver that runs all lanes together takes both sides of each.
-            bool both = into_a && into_b;
-            at = both ? (a_first ? a.w : b.w) : into_a ? a.w : b.w;
-            if (both) stack[top] = a_first ? b.w : a.w;
-            top += uint(both);
-            if (!into_a && !into_b) {
+        Hit masked = Hit(0.0, NO_TRIANGLE, vec2(0.0));
+        uint mask = 0u;
+        while (at != DONE && masked.triangle == NO_TRIANGLE) {
+            while (at < LEAF) {
+                uvec4 a = node_texel(2u * at), b = node_texel(2u * at + 1u);
+                vec2 ta = hit_box(a.xyz, scale, offset), tb = hit_box(b.xyz, scale, offset);
+                bool into_a = max(ta.x, t_min) <= min(ta.y, hit.t), into_b = max(tb.x, t_min) <= min(tb.y, hit.t);
+                bool a_first = ta.x <= tb.x;
+                // Few branches: a driver that runs all lanes together takes both sides of each, and branches for each lane of a
+                // store. This one needs no condition, since what lies above the top is never read.
+                bool both = into_a && into_b;
+                at = both ? (a_first ? a.w : b.w) : into_a ? a.w : b.w;
+                stack[top] = a_first ? b.w : a.w;
+                top += uint(both);
+                if (!into_a && !into_b) {
+                    at = top > 0u ? stack[top - 1u] : DONE;
+                    top = max(top, 1u) - 1u;
+                }
+            }
+            // A masked triangle that is met ends the look at the leaf.
+            uint i = at & ((1u << COUNT_SHIFT) - 1u), end = at == DONE ? i : i + ((at >> COUNT_SHIFT) & 7u) + 1u;
+            while (i < end && masked.triangle == NO_TRIANGLE) {
+                vec3 a = uintBitsToFloat(triangle_texel(3u * i).xyz);
+                vec3 b = uintBitsToFloat(triangle_texel(3u * i + 1u).xyz);
+                uvec4 last = triangle_texel(3u * i + 2u);
+                bool front;
+                vec3 found = hit_triangle(ray, a, b, uintBitsToFloat(last.xyz), front);
+                bool met = found.x >= t_min && (found.x < hit.t || (found.x == hit.t && hit.triangle != NO_TRIANGLE && i < hit.triangle));
+                if (SINGLE_SIDES) met = met && (front || !from_camera || (last.w & SINGLE_SIDED) == 0u);
+                bool is_masked = false;
+                if (MASKS) is_masked = (last.w & MASKED) != 0u;
+                if (met && is_masked) {
+                    masked = Hit(found.x, i, found.yz);
+                    mask = last.w >> MASK_SHIFT;
+                } else if (met) {
+                    hit = Hit(found.x, i, found.yz);
+                }
+                i++;
+            }
+            if (any && hit.triangle != NO_TRIANGLE) {
+                at = DONE;
+                masked.triangle = NO_TRIANGLE;
+            } else if (i < end) {
+                at = LEAF | (end - i - 1u) << COUNT_SHIFT | i;
+            } else {
                 at = top > 0u ? stack[top - 1u] : DONE;
                 top = max(top, 1u) - 1u;
             }
         }
-        // A masked triangle that is met ends the look at the leaf, so that the look at its texture stands once for all of them.
-        uint i = at & ((1u << COUNT_SHIFT) - 1u), end = at == DONE ? i : i + ((at >> COUNT_SHIFT) & 7u) + 1u;
-        Hit masked = Hit(0.0, NO_TRIANGLE, vec2(0.0));
-        uint mask = 0u;
-        while (i < end && masked.triangle == NO_TRIANGLE) {
-            vec3 a = uintBitsToFloat(triangle_texel(3u * i).xyz);
-            vec3 b = uintBitsToFloat(triangle_texel(3u * i + 1u).xyz);
-            uvec4 last = triangle_texel(3u * i + 2u);
-            bool front;
-            vec3 found = hit_triangle(ray, a, b, uintBitsToFloat(last.xyz), front);
-            bool met = found.x >= t_min && (found.x < hit.t || (found.x == hit.t && hit.triangle != NO_TRIANGLE && i < hit.triangle));
-            if (SINGLE_SIDES) met = met && (front || !from_camera || (last.w & SINGLE_SIDED) == 0u);
-            bool is_masked = false;
-            if (MASKS) is_masked = (last.w & MASKED) != 0u;
-            if (met && is_masked) {
-                masked = Hit(found.x, i, found.yz);
-                mask = last.w >> MASK_SHIFT;
-            } else if (met) {
-                hit = Hit(found.x, i, found.yz);
-            }
-            i++;
-        }
-        if (MASKS && masked.triangle != NO_TRIANGLE && !is_hole(mask, masked.weights)) hit = masked;
-        if (any && hit.triangle != NO_TRIANGLE) {
-            at = DONE;
-        } else if (i < end) {
-            at = LEAF | (end - i - 1u) << COUNT_SHIFT | i;
-        } else {
-            at = top > 0u ? stack[top - 1u] : DONE;
-            top = max(top, 1u) - 1u;
+        if (MASKS && masked.triangle != NO_TRIANGLE && !is_hole(mask, masked.weights)) {
+            hit = masked;
+            if (any) at = DONE;
         }
     }
     unfinished = unfinished || at != DONE;

@@ -18,7 +18,8 @@ layout(constant_id = 3) const bool CENTERED = false; // through the middles of t
 
 struct Emitter {
     uint triangle;
-    float cumulative;
+    uint other;   // its alias in Walker's method
+    float share;  // of this emitter, where the other has the rest
 };
 
 layout(scalar, push_constant) uniform Params {
@@ -30,6 +31,7 @@ layout(scalar, push_constant) uniform Params {
     uint bounces;        // layers of indirect light
     uint lights;
     uint emitters;
+    uint emitting_root;  // of the emitting triangles among the nodes of the hierarchy
     float emitter_chance; // that a light is looked for among the emitting surfaces
     float squared_min_distance; // 0 but where the bound of the VPLs is asked for
 } params;
@@ -62,6 +64,10 @@ void add(ivec2 pixel, int layer, vec4 more) {
 // Of two ways to find the same light, how much counts from the first (power heuristic).
 float share(float density, float other) { return density * density / max(density * density + other * other, 1e-30); }
 
+// By which sample_emitters finds a point of a surface in the direction that a path came by, 1/sr.
+float emitter_density(float density, float distance, float cosine) {
+    return params.emitter_chance * density * distance * distance / max(cosine, 1e-9);
+}
 
 vec3 reflected(Surface s, vec3 l, vec3 v) {
     if (dot(s.geometric_normal, l) <= 0.0) return vec3(0.0);
@@ -104,12 +110,11 @@ vec3 sample_lights(Surface s, vec3 v, float u, out vec3 to_light, out float dist
 vec3 sample_emitters(Surface s, vec3 v, vec3 u, out vec3 to_light, out float distance) {
     to_light = s.normal;
     distance = 0.0;
-    uint low = 0u, high = params.emitters - 1u;
-    while (low < high) {
-        uint middle = (low + high) / 2u;
-        if (u.x < emitters.at[middle].cumulative) high = middle; else low = middle + 1u;
-    }
-    uint triangle = emitters.at[low].triangle;
+    float place = u.x * float(params.emitters);
+    uint drawn = min(uint(place), params.emitters - 1u);
+    Emitter emitter = emitters.at[drawn];
+    if (place - float(drawn) >= emitter.share) emitter = emitters.at[emitter.other];
+    uint triangle = emitter.triangle;
     uvec4 ta = triangle_texel(3u * triangle), tb = triangle_texel(3u * triangle + 1u), tc = triangle_texel(3u * triangle + 2u);
     float root = sqrt(u.y);
     vec2 weights = vec2(root * (1.0 - u.z), root * u.z);
@@ -124,16 +129,20 @@ vec3 sample_emitters(Surface s, vec3 v, vec3 u, out vec3 to_light, out float dis
     if ((tc.w & SINGLE_SIDED) == 0u) cosine = abs(cosine);
     uvec4 ca = corner_texel(3u * triangle), cb = corner_texel(3u * triangle + 1u), cc = corner_texel(3u * triangle + 2u);
     vec2 uv = (1.0 - weights.x - weights.y) * uintBitsToFloat(ca.yz) + weights.x * uintBitsToFloat(cb.yz) + weights.y * uintBitsToFloat(cc.yz);
-    float emitter_density = material_numbers(ta.w, 1u).w;
-    if (cosine <= 0.0 || emitter_density <= 0.0) return vec3(0.0);
+    float density_of_material = material_numbers(ta.w, 1u).w;
+    if (cosine <= 0.0 || density_of_material <= 0.0) return vec3(0.0);
     if (MASKS && (tc.w & MASKED) != 0u && is_hole(tc.w >> MASK_SHIFT, weights)) return vec3(0.0);
-    float light_density = params.emitter_chance * emitter_density * distance * distance / cosine;
+    float light_density = emitter_density(density_of_material, distance, cosine);
     return emission_at(ta.w, uv) * reflected(s, to_light, v) / light_density * share(light_density, density(s, to_light, v));
 }
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, params.first_row);
-    if (gl_GlobalInvocationID.y >= params.rows || any(greaterThanEqual(uvec2(pixel), uvec2(view.it.width, view.it.height)))) return;
+    // Every second row of workgroups, then the others: a software driver gives each thread a part of the list, and the top of a
+    // picture is seldom as much work as the bottom.
+    uint even = (gl_NumWorkGroups.y + 1u) / 2u, turn = gl_WorkGroupID.y;
+    uint row = (turn < even ? 2u * turn : 2u * (turn - even) + 1u) * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.x, params.first_row + row);
+    if (row >= params.rows || any(greaterThanEqual(uvec2(pixel), uvec2(view.it.width, view.it.height)))) return;
     uint number = pixel.y * view.it.width + pixel.x;
 
     // Anywhere in the pixel: a box filter.
@@ -150,9 +159,8 @@ void main() {
     // What the surface before gathers, until the way on from it has shown whether something shines there.
     vec3 gathered = vec3(0.0);
     int gatherer = -1;
-    for (uint k = 0u; k <= params.bounces + 1u; k++) {
-        // The last round only looks for what shines by itself.
-        if (k == params.bounces + 1u && without(either(EMISSION, ENVIRONMENT))) break;
+    bool goes_on = false; // beyond the last surface
+    for (uint k = 0u; k <= params.bounces; k++) {
         Hit hit = nearest(ray, t_min, k == 0u);
         traced += 1u;
         if (hit.triangle == NO_TRIANGLE) {
@@ -168,10 +176,7 @@ void main() {
         vec3 seen_from = normalize(v + s.normal * max(1e-3 - dot(s.normal, v), 0.0));
         if (EMISSION && any(greaterThan(s.emission, vec3(0.0)))) {
             float mine = 1.0;
-            if (k > 0u) {
-                float light_density = params.emitter_chance * s.emitter_density * hit.t * hit.t / max(dot(s.geometric_normal, v), 1e-9);
-                mine = share(came_with, light_density);
-            }
+            if (k > 0u) mine = share(came_with, emitter_density(s.emitter_density, hit.t, dot(s.geometric_normal, v)));
             vec3 found = throughput * s.emission * mine;
             radiance += found;
             if (k > 0u) gathered += found;
@@ -185,7 +190,7 @@ void main() {
         gathered = vec3(0.0);
         gatherer = -1;
         // Light ends at the back of a single-sided surface.
-        if (k == params.bounces + 1u || (!s.front && !s.double_sided)) break;
+        if (!s.front && !s.double_sided) break;
         if (k > 0u && params.squared_min_distance > 0.0) {
             float bound = min(hit.t * hit.t / params.squared_min_distance, 1.0);
             throughput *= bound;
@@ -236,8 +241,30 @@ void main() {
         if (all(equal(throughput, vec3(0.0))) && all(equal(to_irradiance, vec3(0.0)))) break;
         ray = make_ray(from, l);
         t_min = 0.0;
+        goes_on = k == params.bounces;
     }
 
+    // What shines on the last surface. No light is gathered from other surfaces any more, so it is enough to know whether one is
+    // in the way.
+    if (either(EMISSION, ENVIRONMENT)) {
+        Hit hit = Hit(1e30, NO_TRIANGLE, vec2(0.0));
+        if (EMISSION && goes_on) hit = traverse(ray, params.emitting_root, 0.0, 1e30, false, false);
+        vec3 arriving = vec3(0.0);
+        if (hit.triangle != NO_TRIANGLE) {
+            Shine shine = shine_at(ray, hit);
+            arriving = shine.emission * share(came_with, emitter_density(shine.emitter_density, hit.t, shine.cosine));
+        } else if (ENVIRONMENT && goes_on) {
+            arriving = params.environment;
+        }
+        if (any(greaterThan(arriving, vec3(0.0)))) {
+            traced += 1u;
+            if (!is_occluded(ray, hit.t * 0.9999)) {
+                radiance += throughput * arriving;
+                gathered += throughput * arriving;
+                if (params.bounces > 0u) irradiance += to_irradiance * arriving;
+            }
+        }
+    }
     if (gatherer >= 0) add(pixel, DIRECT + gatherer, vec4(gathered, 0.0));
 
     vec4 before = imageLoad(sums, ivec3(pixel, RADIANCE)), after = before + vec4(radiance, float(met));

@@ -36,6 +36,7 @@ shader_struct! {
         bounces: u32,
         lights: u32,
         emitters: u32,
+        emitting_root: u32,
         emitter_chance: f32,
         squared_min_distance: f32,
     }
@@ -207,6 +208,7 @@ impl Tracer {
                 bounces: self.settings.bounces,
                 lights: self.lights.len() as u32,
                 emitters: scene.emitter_count,
+                emitting_root: scene.emitting_root,
                 emitter_chance: self.emitter_chance,
                 squared_min_distance: self.settings.min_distance * self.settings.min_distance,
             })

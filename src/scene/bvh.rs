@@ -1,7 +1,7 @@
 //! A bounding volume hierarchy over all triangles of a scene, laid out for the traversal in `glsl/bvh/traverse.glsl`.
 //!
 //! The tree is built by a crate (PLOC with reinsertion); here it becomes records of 16-byte texels. Images hold them: a software
-//! driver traverses them some 15 % faster than storage buffers, which it limits to 128 MiB besides.
+//! driver loads a texel at once and a storage buffer word by word, and limits the latter to 128 MiB besides.
 
 use super::traced::{first_texels, texel_map};
 use super::{Map, Material, Scene, Vertex, pack};
@@ -58,8 +58,9 @@ pub struct Bvh {
     pub cell: Vec3,
     /// The root is the first.
     pub nodes: Vec<Node>,
-    /// In the order of the leaves. A triangle is in one leaf alone.
+    /// In the order of the leaves. A triangle is in one leaf alone. After `emitting.first` follow the emitting ones once more.
     pub triangles: Vec<Triangle>,
+    pub emitting: Emitting,
     /// Of the same triangles.
     pub corners: Vec<Corners>,
     /// Of the same triangles: their corners' colours ([`pack::unorm8x4`]) and nothing. Empty where all are white.
@@ -69,6 +70,19 @@ pub struct Bvh {
     /// Nodes on the longest way down.
     pub depth: usize,
 }
+
+/// The tree of the emitting triangles alone, for rays that only ask what shines on a point. Where so many triangles emit that a
+/// second tree would cost more than it spares, it is the whole tree.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Emitting {
+    /// Its root among the nodes.
+    pub root: u32,
+    /// Its first triangle; all after it are its own.
+    pub first: usize,
+}
+
+/// Emitting triangles have a tree of their own where they are at most one in so many.
+const FEW: usize = 4;
 
 struct Bounded([Vec3A; 3]);
 
@@ -94,18 +108,22 @@ impl Bvh {
             };
             records.par_extend(scene.indices[range].par_chunks_exact(3).enumerate().map(record));
         }
+        let mut bvh = Self { nodes: vec![NOTHING], ..Self::default() };
         if records.is_empty() {
-            return Self { nodes: vec![NOTHING], ..Self::default() };
+            return bvh;
         }
-        let corners: Vec<Bounded> = records.par_iter().map(|record| Bounded(corners(record))).collect();
-        let mut tree = build_bvh2(&corners, PARAMETERS, &mut Duration::default());
-        if tree.depth(0) > STACK - 2 {
-            // A chain of boxes in boxes, which only the optimisation of a strange scene makes.
-            tree = build_bvh2(&corners, BvhBuildParams { reinsertion_batch_ratio: 0.0, ..PARAMETERS }, &mut Duration::default());
+        let emits = |record: &&Triangle| scene.materials[scene.draws[record[3] as usize].material as usize].emission != [0.0; 3];
+        let emitting: Vec<Triangle> = records.iter().filter(emits).copied().collect();
+        let tree = tree(&records);
+        bvh.set_grid(tree.nodes[0].aabb());
+        bvh.lay_out(&tree, &records, 0);
+        drop(tree);
+        if !emitting.is_empty() && emitting.len() <= records.len() / FEW {
+            drop(records);
+            bvh.emitting = Emitting { root: bvh.nodes.len() as u32, first: bvh.triangles.len() };
+            bvh.nodes.push(NOTHING);
+            bvh.lay_out(&self::tree(&emitting), &emitting, bvh.emitting.root as usize);
         }
-        drop(corners);
-        let mut bvh = lay_out(&tree, &records);
-        drop((tree, records));
         bvh.add_looks(scene);
         bvh
     }
@@ -193,43 +211,15 @@ fn corners(record: &Triangle) -> [Vec3A; 3] {
     [0, 4, 8].map(|at| Vec3A::from_array(std::array::from_fn(|axis| f32::from_bits(record[at + axis]))))
 }
 
-/// Turns the crate's tree into records, parents before children and siblings together.
-fn lay_out(tree: &Bvh2, records: &[Triangle]) -> Bvh {
-    let mut bvh = Bvh { nodes: vec![NOTHING], ..Bvh::default() };
-    let root = &tree.nodes[0];
-    let (min, max) = (Vec3::from(root.aabb().min), Vec3::from(root.aabb().max));
-    // A flat scene has cells of some height too. Boxes are rounded outwards by up to two cells.
-    let least = 1e-9 + min.abs().max(max.abs()).max_element() * 1e-6;
-    bvh.cell = (max - min).max(Vec3::splat(least)) / (GRID - 4.0);
-    bvh.origin = min - 2.0 * bvh.cell;
-    bvh.depth = tree.depth(0);
-    bvh.triangles.reserve(records.len());
-    if root.is_leaf() {
-        // Both children are the one leaf: what is met twice is met once.
-        let link = bvh.leaf(tree, records, 0);
-        let child = bvh.child(root.aabb(), link);
-        bvh.nodes[0][..4].copy_from_slice(&child);
-        bvh.nodes[0][4..].copy_from_slice(&child);
-        return bvh;
+/// The crate's tree of some triangles.
+fn tree(records: &[Triangle]) -> Bvh2 {
+    let corners: Vec<Bounded> = records.par_iter().map(|record| Bounded(corners(record))).collect();
+    let tree = build_bvh2(&corners, PARAMETERS, &mut Duration::default());
+    if tree.depth(0) <= STACK - 2 {
+        return tree;
     }
-    bvh.nodes.reserve(tree.nodes.len() / 2 + 1);
-    // The crate's node, and the number of its record.
-    let mut open = vec![(0, 0)];
-    while let Some((from, to)) = open.pop() {
-        let first: usize = tree.nodes[from].first_index as usize;
-        for (half, which) in [first, first + 1].into_iter().enumerate() {
-            let link = if tree.nodes[which].is_leaf() {
-                bvh.leaf(tree, records, which)
-            } else {
-                bvh.nodes.push(NOTHING);
-                open.push((which, bvh.nodes.len() - 1));
-                bvh.nodes.len() as u32 - 1
-            };
-            let child = bvh.child(tree.nodes[which].aabb(), link);
-            bvh.nodes[to][4 * half..][..4].copy_from_slice(&child);
-        }
-    }
-    bvh
+    // A chain of boxes in boxes, which only the optimisation of a strange scene makes.
+    build_bvh2(&corners, BvhBuildParams { reinsertion_batch_ratio: 0.0, ..PARAMETERS }, &mut Duration::default())
 }
 
 /// Grid cells a side.
@@ -239,6 +229,47 @@ const GRID: f32 = 65_535.0;
 const NOTHING: Node = [0, 0, 0, u32::MAX, 0, 0, 0, u32::MAX];
 
 impl Bvh {
+    /// Lays the grid over the bounds of all triangles.
+    fn set_grid(&mut self, bounds: &BuildAabb) {
+        let (min, max) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
+        // A flat scene has cells of some height too. Boxes are rounded outwards by up to two cells.
+        let least = 1e-9 + min.abs().max(max.abs()).max_element() * 1e-6;
+        self.cell = (max - min).max(Vec3::splat(least)) / (GRID - 4.0);
+        self.origin = min - 2.0 * self.cell;
+    }
+
+    /// Turns the crate's tree into records under the node `top`, parents before children and siblings together.
+    fn lay_out(&mut self, tree: &Bvh2, records: &[Triangle], top: usize) {
+        self.depth = self.depth.max(tree.depth(0));
+        self.triangles.reserve(records.len());
+        let root = &tree.nodes[0];
+        if root.is_leaf() {
+            // Both children are the one leaf: what is met twice is met once.
+            let link = self.leaf(tree, records, 0);
+            let child = self.child(root.aabb(), link);
+            self.nodes[top][..4].copy_from_slice(&child);
+            self.nodes[top][4..].copy_from_slice(&child);
+            return;
+        }
+        self.nodes.reserve(tree.nodes.len() / 2 + 1);
+        // The crate's node, and the number of its record.
+        let mut open = vec![(0, top)];
+        while let Some((from, to)) = open.pop() {
+            let first: usize = tree.nodes[from].first_index as usize;
+            for (half, which) in [first, first + 1].into_iter().enumerate() {
+                let link = if tree.nodes[which].is_leaf() {
+                    self.leaf(tree, records, which)
+                } else {
+                    self.nodes.push(NOTHING);
+                    open.push((which, self.nodes.len() - 1));
+                    self.nodes.len() as u32 - 1
+                };
+                let child = self.child(tree.nodes[which].aabb(), link);
+                self.nodes[to][4 * half..][..4].copy_from_slice(&child);
+            }
+        }
+    }
+
     /// Adds a leaf's triangles; the link to them.
     fn leaf(&mut self, tree: &Bvh2, records: &[Triangle], which: usize) -> u32 {
         let node = &tree.nodes[which];

@@ -41,7 +41,7 @@ impl WordImage {
             ));
         }
         let size = [COLUMNS as u32, rows as u32];
-        let id = gpu.create_filled_image(name, Format::Rgba32Uint, [size[0], size[1], 1], bytemuck::cast_slice(words), false)?;
+        let id = gpu.create_filled_image(name, Format::Rgba32Uint, [size[0], size[1], 1], bytemuck::cast_slice(words), true)?;
         Ok(Self { name, id, size })
     }
 

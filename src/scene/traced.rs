@@ -2,7 +2,7 @@
 //! look like, all materials and all textures' texels in an image each, and the surfaces that emit.
 //!
 //! It is made from the same arrays as what the rasterizer draws. Those buffers themselves would do for small scenes, but a software
-//! driver lets a shader see 128 MiB of one, and traverses images some 15 % faster.
+//! driver lets a shader see 128 MiB of one, and loads it word by word where an image gives four words at once.
 
 use super::bvh::Bvh;
 use super::device_bvh::{BvhHandles, DeviceBvh, WordImage};
@@ -17,12 +17,14 @@ use glam::{DVec3, Vec3};
 use std::time::Instant;
 
 shader_struct! {
-    /// A triangle that emits: `glsl/reference/path.comp`.
+    /// A triangle that emits, in Walker's alias method: `glsl/reference/path.comp`.
     pub struct Emitter {
         /// Its number in the hierarchy.
         pub triangle: u32,
-        /// The chance that a sample falls on it or on one before it.
-        pub cumulative: f32,
+        /// The emitter that a sample falls on where it does not fall on this one.
+        pub other: u32,
+        /// The chance that a sample which drew this one stays on it.
+        pub share: f32,
     }
 }
 
@@ -49,6 +51,7 @@ pub struct TracedScene {
     texels: (ImageId, [u32; 3]),
     materials: WordImage,
     emitters: Vec<Emitter>,
+    emitting_root: u32,
     /// Luminance of the flux that surfaces emit, W.
     pub emitted_power: f32,
     pub traits: Traits,
@@ -64,6 +67,8 @@ pub struct TracedHandles {
     materials: Image,
     pub emitters: Buffer,
     pub emitter_count: u32,
+    /// Of the tree of the emitting triangles.
+    pub emitting_root: u32,
     pub traits: Traits,
 }
 
@@ -75,6 +80,7 @@ impl TracedScene {
         let build_ms = start.elapsed().as_millis() as u64;
         let (emitters, emitted_power) = emitters(scene, &bvh);
         Ok(Self {
+            emitting_root: bvh.emitting.root,
             bvh: DeviceBvh::upload(gpu, &scene.name, bvh)?,
             texels: upload_texels(gpu, scene)?,
             materials: WordImage::upload(gpu, &scene.name, "scene/traced-materials", &material_words(scene))?,
@@ -89,13 +95,14 @@ impl TracedScene {
     pub fn import(&self, g: &mut Graph) -> TracedHandles {
         let (texels, [width, height, layers]) = self.texels;
         // A buffer is never empty; nothing samples this one.
-        let none = [Emitter { triangle: 0, cumulative: 1.0 }];
+        let none = [Emitter { triangle: 0, other: 0, share: 1.0 }];
         TracedHandles {
             bvh: self.bvh.import(g),
             texels: g.import_image("scene/texels", texels, Format::Rgba8Unorm, [width, height], layers),
             materials: self.materials.import(g),
             emitters: g.upload("scene/emitters", if self.emitters.is_empty() { &none } else { &self.emitters }),
             emitter_count: self.emitters.len() as u32,
+            emitting_root: self.emitting_root,
             traits: self.traits,
         }
     }
@@ -238,18 +245,33 @@ fn emitters(scene: &Scene, bvh: &Bvh) -> (Vec<Emitter>, f32) {
     if weights.iter().all(|weight| *weight == 0.0) {
         return (Vec::new(), 0.0);
     }
-    let mut sum = 0.0;
     let mut found = Vec::new();
-    for (i, record) in bvh.triangles.iter().enumerate() {
+    for (i, record) in bvh.triangles.iter().enumerate().skip(bvh.emitting.first) {
         let weight = weights[record[3] as usize];
         let area = (corner(record, 4) - corner(record, 0)).cross(corner(record, 8) - corner(record, 0)).length() * 0.5;
         if weight * area > 0.0 {
-            sum += weight * area;
-            found.push((i as u32, sum));
+            found.push((i as u32, weight * area));
         }
     }
-    let emitters = found.into_iter().map(|(triangle, upto)| Emitter { triangle, cumulative: (upto / sum) as f32 }).collect();
-    (emitters, (sum * std::f64::consts::PI) as f32)
+    let sum: f64 = found.iter().map(|(_, power)| power).sum();
+    (aliases(&found, sum), (sum * std::f64::consts::PI) as f32)
+}
+
+/// Walker's alias table (as Vose fills it): every emitter is drawn equally often, and hands what it has too little of to another.
+fn aliases(powers: &[(u32, f64)], sum: f64) -> Vec<Emitter> {
+    let mut shares: Vec<f64> = powers.iter().map(|(_, power)| power / sum * powers.len() as f64).collect();
+    let mut emitters: Vec<Emitter> =
+        (0..).zip(powers).map(|(i, (triangle, _))| Emitter { triangle: *triangle, other: i, share: 1.0 }).collect();
+    let (mut little, mut much): (Vec<usize>, Vec<usize>) = (0..powers.len()).partition(|i| shares[*i] < 1.0);
+    while let (Some(poor), Some(&rich)) = (little.pop(), much.last()) {
+        emitters[poor].share = shares[poor] as f32;
+        emitters[poor].other = rich as u32;
+        shares[rich] -= 1.0 - shares[poor];
+        if shares[rich] < 1.0 {
+            little.extend(much.pop());
+        }
+    }
+    emitters
 }
 
 /// Of each material, the density by which a point of its surface is sampled as a light, 1/m^2; 0 where it emits nothing.
@@ -266,4 +288,26 @@ fn emitter_densities(scene: &Scene) -> Vec<f32> {
     let emitting = scene.draws.iter().filter(|draw| weights[draw.material as usize] > 0.0);
     let sum: f64 = emitting.map(|draw| weights[draw.material as usize] * area(draw)).sum();
     weights.iter().map(|weight| if sum > 0.0 { (weight / sum) as f32 } else { 0.0 }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_alias_table_draws_each_emitter_by_its_power() {
+        for powers in [vec![3.0], vec![1.0, 1.0, 1.0], vec![0.1, 5.0, 0.4, 2.5, 1e-9, 8.0]] {
+            let sum: f64 = powers.iter().sum();
+            let table = aliases(&(7..).zip(powers.iter().copied()).collect::<Vec<_>>(), sum);
+            let mut chances = vec![0.0; powers.len()];
+            for (i, emitter) in table.iter().enumerate() {
+                assert_eq!(emitter.triangle, 7 + i as u32);
+                chances[i] += f64::from(emitter.share) / powers.len() as f64;
+                chances[emitter.other as usize] += (1.0 - f64::from(emitter.share)) / powers.len() as f64;
+            }
+            for (chance, power) in chances.iter().zip(&powers) {
+                assert!((chance - power / sum).abs() < 1e-7, "{powers:?}: {chances:?}");
+            }
+        }
+    }
 }

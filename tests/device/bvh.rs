@@ -9,6 +9,7 @@ use manylight::scene::bvh::Bvh;
 use manylight::scene::device_bvh::DeviceBvh;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::Path;
 
 /// Origin and direction of a ray in, distance, triangle and weights of its hit out. Where the origin's fourth number is not 0,
@@ -19,13 +20,14 @@ const SHADER: &str = "#version 460
 #include \"bvh/traverse.glsl\"
 layout(local_size_x = 64) in;
 layout(scalar) readonly buffer Rays { vec4 at[]; } rays;
+layout(scalar) readonly buffer Root { uint it; } root;
 layout(scalar) writeonly buffer Hits { vec4 at[]; } hits;
 bool is_hole(uint mask, vec2 weights) { return false; }
 void main() {
     uint i = gl_GlobalInvocationID.x;
     if (2u * i >= uint(rays.at.length())) return;
     vec4 origin = rays.at[2u * i], direction = rays.at[2u * i + 1u];
-    Hit hit = traverse(make_ray(origin.xyz, direction.xyz), 0.0, direction.w, origin.w != 0.0, false);
+    Hit hit = traverse(make_ray(origin.xyz, direction.xyz), root.it, 0.0, direction.w, origin.w != 0.0, false);
     if (unfinished) hit.t = -1.0;
     hits.at[i] = vec4(hit.t, uintBitsToFloat(hit.triangle), hit.weights);
 }
@@ -45,6 +47,10 @@ struct Found {
 }
 
 fn trace(bvh: &Bvh, rays: &[Ray]) -> Vec<Found> {
+    trace_under(0, bvh, rays)
+}
+
+fn trace_under(root: u32, bvh: &Bvh, rays: &[Ray]) -> Vec<Found> {
     let mut sources = BTreeMap::new();
     for folder in ["lib", "bvh"] {
         for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("glsl").join(folder)).unwrap() {
@@ -63,12 +69,14 @@ fn trace(bvh: &Bvh, rays: &[Ray]) -> Vec<Found> {
     let mut g = Graph::new();
     let handles = device.import(&mut g);
     let from = g.upload("test/rays", rays.iter().flat_map(numbers).collect::<Vec<_>>().as_slice());
+    let root = g.upload("test/root", &[root]);
     let to = g.buffer::<[f32; 4]>("test/hits", rays.len() as u32);
     g.compute("test/rays")
         .reads("bvh", handles.data)
         .reads("bvh_nodes", handles.nodes)
         .reads("bvh_triangles", handles.triangles)
         .reads("rays", from)
+        .reads("root", root)
         .writes("hits", to)
         .dispatch([rays.len() as u32, 1, 1]);
     let read = g.read_back(to);
@@ -131,8 +139,20 @@ fn random_rays(scene: &Scene, count: usize) -> Vec<Ray> {
 
 fn compare(name: &str, scene: &Scene) {
     let bvh = Bvh::build(scene);
-    assert_eq!(bvh.triangles.len() as u64, scene.triangle_count());
-    let triangles: Vec<[DVec3; 3]> = (0..bvh.triangles.len()).map(|i| corners(&bvh, i)).collect();
+    let all = scene.triangle_count() as usize;
+    // The root of all triangles, and that of those that emit, which stand behind all.
+    if bvh.emitting.root == 0 {
+        assert_eq!(bvh.triangles.len(), all, "{name}");
+    } else {
+        assert_eq!(bvh.emitting.first, all, "{name}");
+        compare_under(&format!("{name}, what emits"), scene, &bvh, bvh.emitting.root, all..bvh.triangles.len());
+    }
+    compare_under(name, scene, &bvh, 0, 0..all);
+}
+
+fn compare_under(name: &str, scene: &Scene, bvh: &Bvh, root: u32, numbers: Range<usize>) {
+    let (first, few) = (numbers.start, numbers.start > 0);
+    let triangles: Vec<[DVec3; 3]> = numbers.map(|i| corners(bvh, i)).collect();
     let mut rays = random_rays(scene, 10_000);
     let nearest: Vec<Option<f64>> = rays
         .par_iter()
@@ -141,8 +161,12 @@ fn compare(name: &str, scene: &Scene) {
             triangles.iter().filter_map(|triangle| meets(triangle, origin, direction)).min_by(f64::total_cmp)
         })
         .collect();
-    let hits = trace(&bvh, &rays);
-    assert!(nearest.iter().flatten().count() > 5000, "{name}: {} hits are too few to tell", nearest.iter().flatten().count());
+    let hits = trace_under(root, bvh, &rays);
+    assert!(
+        nearest.iter().flatten().count() > if few { 100 } else { 5000 },
+        "{name}: {} hits are too few to tell",
+        nearest.iter().flatten().count()
+    );
     for ((ray, found), expected) in rays.iter().zip(&hits).zip(&nearest) {
         let ray = (ray.origin, ray.direction);
         let Some(expected) = *expected else {
@@ -152,7 +176,7 @@ fn compare(name: &str, scene: &Scene) {
         let triangle = found.triangle.unwrap_or_else(|| panic!("{name}: {ray:?} misses, and should meet a triangle at {expected}"));
         assert!((f64::from(found.t) - expected).abs() <= 1e-4 * expected.max(1e-2), "{name}: {ray:?}: {} instead of {expected}", found.t);
         // The weights give the same place.
-        let [a, b, c] = triangles[triangle];
+        let [a, b, c] = triangles[triangle - first];
         let [v, w] = found.weights.map(f64::from);
         let place = a * (1.0 - v - w) + b * v + c * w;
         let along = ray.0.as_dvec3() + ray.1.as_dvec3() * expected;
@@ -162,7 +186,7 @@ fn compare(name: &str, scene: &Scene) {
     for (ray, expected) in rays.iter_mut().zip(&nearest) {
         ray.any_before = Some(expected.map_or(1e30, |t| t as f32 * if ray.origin.x > 0.0 { 1.01 } else { 0.99 }));
     }
-    for ((ray, found), expected) in rays.iter().zip(trace(&bvh, &rays)).zip(&nearest) {
+    for ((ray, found), expected) in rays.iter().zip(trace_under(root, bvh, &rays)).zip(&nearest) {
         let stopped = expected.is_some() && ray.origin.x > 0.0;
         assert_eq!(found.triangle.is_some(), stopped, "{name}: a shadow ray from {} along {}", ray.origin, ray.direction);
     }
@@ -171,7 +195,13 @@ fn compare(name: &str, scene: &Scene) {
 #[test]
 fn the_hierarchy_finds_the_hits_that_all_triangles_have() {
     compare("cornell", &builtin::cornell());
-    compare("atrium", &builtin::atrium(&Atrium { triangles: 20_000, seed: 0 }));
+    let mut atrium = builtin::atrium(&Atrium { triangles: 20_000, seed: 0 });
+    compare("atrium", &atrium);
+    // What has few triangles shines.
+    let few = atrium.draws.iter().filter(|draw| draw.index_count < 3000).max_by_key(|draw| draw.index_count).unwrap().material;
+    atrium.materials[few as usize].emission = [1.0; 3];
+    assert_ne!(Bvh::build(&atrium).emitting.root, 0, "the test wants a tree of what emits");
+    compare("atrium with lights", &atrium);
     if let Some(scene) = shared_scene("sponza_dabrovic.glb") {
         compare("Sponza", &scene);
     }
