@@ -154,6 +154,12 @@ fn compare_under(name: &str, scene: &Scene, bvh: &Bvh, root: u32, numbers: Range
     let (first, few) = (numbers.start, numbers.start > 0);
     let triangles: Vec<[DVec3; 3]> = numbers.map(|i| corners(bvh, i)).collect();
     let mut rays = random_rays(scene, 10_000);
+    if few {
+        // What is small is seldom hit by chance.
+        for (ray, [a, b, c]) in rays.iter_mut().zip(triangles.iter().cycle()) {
+            ray.direction = ((a * 0.5 + b * 0.3 + c * 0.2) - ray.origin.as_dvec3()).as_vec3();
+        }
+    }
     let nearest: Vec<Option<f64>> = rays
         .par_iter()
         .map(|ray| {
@@ -174,9 +180,12 @@ fn compare_under(name: &str, scene: &Scene, bvh: &Bvh, root: u32, numbers: Range
             continue;
         };
         let triangle = found.triangle.unwrap_or_else(|| panic!("{name}: {ray:?} misses, and should meet a triangle at {expected}"));
-        assert!((f64::from(found.t) - expected).abs() <= 1e-4 * expected.max(1e-2), "{name}: {ray:?}: {} instead of {expected}", found.t);
-        // The weights give the same place.
         let [a, b, c] = triangles[triangle - first];
+        // The more a ray grazes a triangle, the less of the distance is known.
+        let cosine = (b - a).cross(c - a).normalize_or_zero().dot(ray.1.as_dvec3().normalize()).abs();
+        let tolerance = 2e-5 * expected.max(0.1) / cosine.max(1e-3);
+        assert!((f64::from(found.t) - expected).abs() <= tolerance, "{name}: {ray:?}: {} instead of {expected}", found.t);
+        // The weights give the same place.
         let [v, w] = found.weights.map(f64::from);
         let place = a * (1.0 - v - w) + b * v + c * w;
         let along = ray.0.as_dvec3() + ray.1.as_dvec3() * expected;
