@@ -2,9 +2,11 @@
 
 mod compare;
 mod reference;
+mod reproduce;
 
 pub use compare::{CompareArgs, LayerChoice};
 pub use reference::ReferenceArgs;
+pub use reproduce::{ReproduceArgs, Shard, shard};
 
 use crate::config::{TimingMode, choices};
 use crate::gpu::DeviceChoice;
@@ -35,6 +37,8 @@ pub enum Command {
     },
     /// Say how far pictures are from their references
     Compare(CompareArgs),
+    /// Run a table of a paper, or one's own, and print it beside the published figures
+    Reproduce(ReproduceArgs),
     /// Say which devices there are, what runs on them, and what is missing for the rest
     Doctor,
     /// List devices, stages, methods and presets

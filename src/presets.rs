@@ -6,7 +6,16 @@ static CONFIGS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/configs");
 
 /// Every preset's name and text, by name.
 pub fn all() -> Vec<(&'static str, &'static str)> {
-    let mut presets: Vec<_> = CONFIGS
+    texts(&CONFIGS)
+}
+
+/// Every table's name and text, by name: `configs/tables/*.toml`.
+pub fn tables() -> Vec<(&'static str, &'static str)> {
+    CONFIGS.get_dir("tables").map(texts).unwrap_or_default()
+}
+
+fn texts(folder: &'static Dir<'static>) -> Vec<(&'static str, &'static str)> {
+    let mut presets: Vec<_> = folder
         .files()
         .filter(|file| file.path().extension().is_some_and(|extension| extension == "toml"))
         .filter_map(|file| Some((file.path().file_stem()?.to_str()?, file.contents_utf8()?)))

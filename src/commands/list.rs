@@ -28,5 +28,9 @@ pub fn run() -> Result<()> {
     for (name, text) in presets::all() {
         println!("  {name:<18} {}", presets::title(text));
     }
+    println!("\ntables");
+    for (name, text) in presets::tables() {
+        println!("  {name:<18} {}", presets::title(text));
+    }
     Ok(())
 }

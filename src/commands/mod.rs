@@ -4,9 +4,12 @@ pub mod compare;
 pub mod doctor;
 pub mod export;
 pub mod list;
+mod measure;
 mod progress;
 pub mod reference;
 pub mod render;
+pub mod reproduce;
+mod truth;
 
 use crate::cli::{Cli, Command};
 use crate::config::{self, Config};
@@ -26,6 +29,7 @@ pub fn run(cli: &Cli) -> Result<()> {
         Command::Reference(args) => reference::run(args),
         Command::Export { format } => export::run(format),
         Command::Compare(args) => compare::run(args),
+        Command::Reproduce(args) => reproduce::run(args),
         Command::Doctor => doctor::run(),
         Command::List => list::run(),
     }

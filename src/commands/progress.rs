@@ -46,6 +46,25 @@ impl Progress {
         self.0.set_message(format!("{:.2} million rays/s", rays_a_second / 1e6));
     }
 
+    /// A step of a longer run: how many of how many are done, and what comes now.
+    pub fn step(&self, done: u64, of: u64, what: &str) {
+        if let Ok(style) = ProgressStyle::with_template("{spinner} run {pos}/{len} [{bar:30}] {msg}, {eta} left") {
+            self.0.set_style(style);
+        }
+        self.0.set_length(of);
+        self.0.set_position(done);
+        self.0.set_message(what.to_owned());
+    }
+
+    pub fn tick(&self) {
+        self.0.tick();
+    }
+
+    /// Does what prints.
+    pub fn suspend(&self, print: impl FnOnce()) {
+        self.0.suspend(print);
+    }
+
     pub fn end(&self) {
         self.0.finish_and_clear();
     }

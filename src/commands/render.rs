@@ -106,7 +106,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
 }
 
 /// The EXR's layers: the picture's radiance without a name, and those that the config asks for.
-fn layers(picture: &Picture, wanted: &[LayerName]) -> Vec<Layer> {
+pub(super) fn layers(picture: &Picture, wanted: &[LayerName]) -> Vec<Layer> {
     let color = |name: &str, plane: &Plane| Layer::interleaved(name, "RGB", plane.channels, &plane.values, Precision::Half);
     let radiance = &picture.radiance;
     let mut layers = vec![Layer::interleaved("", "RGBA", radiance.channels, &radiance.values, Precision::Half)];

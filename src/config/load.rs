@@ -20,11 +20,16 @@ const MOST_FILES: usize = 16;
 /// Every error is one sentence with file, line and key, and ends the program with [`crate::error::Exit::BadInput`].
 pub fn load(path: &Path, overrides: &[String]) -> Result<Config> {
     let (config, root) = resolve(&read(path)?, path, overrides)?;
+    scene_is_there(&config, &root)?;
+    Ok(config)
+}
+
+fn scene_is_there(config: &Config, root: &Node) -> Result<()> {
     if let Some(file) = config.scene.file.as_ref().filter(|file| !file.is_file()) {
         let what = if file.exists() { "is not a file" } else { "does not exist" };
-        return Err(rules::error_at(&root, "scene.file", format_args!("{} {what}", shown(file))));
+        return Err(rules::error_at(root, "scene.file", format_args!("{} {what}", shown(file))));
     }
-    Ok(config)
+    Ok(())
 }
 
 /// As [`load`], for a text that would be at `origin`; looks at no file but the text's bases.
@@ -45,6 +50,11 @@ fn resolve(text: &str, path: &Path, overrides: &[String]) -> Result<(Config, Nod
     for text in overrides {
         set(&mut root, text)?;
     }
+    finish(root)
+}
+
+/// A merged tree, checked and typed.
+fn finish(mut root: Node) -> Result<(Config, Node)> {
     let Value::Table(table) = &mut root.value else { unreachable!("a document is a table") };
     check::table(table, "", "")?;
     rules::given(table)?;
@@ -60,10 +70,51 @@ fn resolve(text: &str, path: &Path, overrides: &[String]) -> Result<(Config, Nod
     Ok((config, root))
 }
 
+/// A config that others are made from, by what they change: the cells of a table.
+pub(crate) struct Base(Node);
+
+impl Base {
+    /// The config at a path with its bases.
+    pub fn load(path: &Path) -> Result<Self> {
+        Self::parse(&read(path)?, path)
+    }
+
+    /// As [`Self::load`], for a text that would be at `path`.
+    pub fn parse(text: &str, path: &Path) -> Result<Self> {
+        Ok(Self(chain(text, path)?))
+    }
+
+    /// The config with some trees laid over it, each above the one before, then the `--set` options.
+    pub fn with(&self, trees: &[&Node], overrides: &[String]) -> Result<Config> {
+        let mut root = self.0.clone();
+        for (i, tree) in trees.iter().enumerate() {
+            overlay(&mut root, tree.in_layer(MOST_FILES + 1 + i), "");
+        }
+        for text in overrides {
+            set(&mut root, text)?;
+        }
+        let (config, root) = finish(root)?;
+        scene_is_there(&config, &root)?;
+        Ok(config)
+    }
+}
+
+/// A TOML file's tree, with the line of each value; for files that are no configs themselves.
+pub(crate) fn document(text: &str, path: &Path) -> Result<Node> {
+    let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let source = Rc::new(Source { name: shown(path), folder, layer: MOST_FILES });
+    tree(text, source)
+}
+
+/// The text of a TOML file.
+pub(crate) fn read_text(path: &Path) -> Result<String> {
+    read(path)
+}
+
 /// The file's tree over that of its base, and so on down.
 fn chain(text: &str, path: &Path) -> Result<Node> {
     let mut files = vec![path.to_path_buf()];
-    let (mut root, mut base) = document(text, path, MOST_FILES)?;
+    let (mut root, mut base) = config_document(text, path, MOST_FILES)?;
     while let Some((origin, base_path)) = base {
         let names = || files.iter().chain([&base_path]).map(|file| shown(file)).collect::<Vec<_>>().join(" -> ");
         let same = |file: &PathBuf| match (file.canonicalize(), base_path.canonicalize()) {
@@ -77,7 +128,7 @@ fn chain(text: &str, path: &Path) -> Result<Node> {
             return Err(check::error(&origin, "base", format_args!("the chain of bases is longer than {MOST_FILES} files")));
         }
         let text = read(&base_path).map_err(|error| check::error(&origin, "base", error))?;
-        let (mut below, next) = document(&text, &base_path, MOST_FILES - files.len())?;
+        let (mut below, next) = config_document(&text, &base_path, MOST_FILES - files.len())?;
         files.push(base_path);
         overlay(&mut below, root, "");
         root = below;
@@ -87,22 +138,27 @@ fn chain(text: &str, path: &Path) -> Result<Node> {
 }
 
 /// One file's tree and, apart from it, the base that it names.
-fn document(text: &str, path: &Path, layer: usize) -> Result<(Node, Option<(Origin, PathBuf)>)> {
+fn config_document(text: &str, path: &Path, layer: usize) -> Result<(Node, Option<(Origin, PathBuf)>)> {
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
     let source = Rc::new(Source { name: shown(path), folder: folder.clone(), layer });
+    let mut root = tree(text, source)?;
+    let Value::Table(table) = &mut root.value else { unreachable!("a document is a table") };
+    let base = match table.remove("base") {
+        None => None,
+        Some(Node { origin, value: Value::Text(base) }) if !base.is_empty() => Some((origin, folder.join(base))),
+        Some(node) => return Err(check::error(&node.origin, "base", format_args!("expects the path of a config, found {}", node.found()))),
+    };
+    Ok((root, base))
+}
+
+fn tree(text: &str, source: Rc<Source>) -> Result<Node> {
     let lines = Lines::new(source.clone(), text);
     let table = DeTable::parse(text).map_err(|error| {
         let start = error.span().map_or(text.len(), |span| span.start);
         let message = error.message().replace('\n', ", ");
         fail!(BadInput, "{}, column {}: not valid TOML: {message}", lines.origin(start), lines.column(start))
     })?;
-    let mut table = lines.table(table.get_ref());
-    let base = match table.remove("base") {
-        None => None,
-        Some(Node { origin, value: Value::Text(base) }) if !base.is_empty() => Some((origin, folder.join(base))),
-        Some(node) => return Err(check::error(&node.origin, "base", format_args!("expects the path of a config, found {}", node.found()))),
-    };
-    Ok((Node { origin: Origin { source, line: 0 }, value: Value::Table(table) }, base))
+    Ok(Node { origin: Origin { source, line: 0 }, value: Value::Table(lines.table(table.get_ref())) })
 }
 
 /// A path on one line, whatever is in it.
@@ -136,7 +192,7 @@ fn read(path: &Path) -> Result<String> {
 
 /// Applies one `--set key=value`.
 fn set(root: &mut Node, text: &str) -> Result<()> {
-    let source = Rc::new(Source { name: format!("--set {}", text.escape_debug()), folder: PathBuf::new(), layer: MOST_FILES + 1 });
+    let source = Rc::new(Source { name: format!("--set {}", text.escape_debug()), folder: PathBuf::new(), layer: usize::MAX });
     let origin = Origin { source: source.clone(), line: 0 };
     let Some((key, value)) = text.split_once('=') else {
         return Err(fail!(BadInput, "--set {}: expects key=value, as in --set gather.interleave=2", quoted(text)));

@@ -3,17 +3,18 @@
 //! One section a slot of the frame. Paths, enums and ranges are checked when a file is loaded; whoever builds a [`Config`]
 //! in code keeps the ranges that the fields name.
 
-mod check;
+pub(crate) mod check;
 mod keys;
 mod load;
 mod rules;
 mod scene;
 mod stages;
-mod tree;
+pub(crate) mod tree;
 
 pub use check::nearest;
 pub use keys::{KeyInfo, Kind, Range, choices, keys, markdown_table};
 pub use load::{load, parse, to_toml};
+pub(crate) use load::{Base, document, read_text};
 pub use scene::{Builtin, CameraConfig, CameraKeyframe, Interpolation, LightConfig, LightKeyframe, SceneConfig, SceneSelector};
 pub use stages::{
     BoxConfig, ComposeConfig, Dielectric, DirectConfig, FilterConfig, FilterKind, FrameConfig, GatherConfig, GatherMethod, Layer,

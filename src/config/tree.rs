@@ -127,6 +127,21 @@ impl Node {
         }
     }
 
+    /// The same value from the same place, in another layer.
+    pub fn in_layer(&self, layer: usize) -> Self {
+        let source = Rc::new(Source { name: self.origin.source.name.clone(), folder: self.origin.source.folder.clone(), layer });
+        self.from(&source)
+    }
+
+    fn from(&self, source: &Rc<Source>) -> Self {
+        let value = match &self.value {
+            Value::List(items) => Value::List(items.iter().map(|item| item.from(source)).collect()),
+            Value::Table(table) => Value::Table(table.iter().map(|(key, node)| (key.clone(), node.from(source))).collect()),
+            other => other.clone(),
+        };
+        Self { origin: Origin { source: source.clone(), line: self.origin.line }, value }
+    }
+
     fn forget_lines(&mut self) {
         self.origin.line = 0;
         match &mut self.value {

@@ -1,0 +1,175 @@
+//! `manylight reproduce TABLE`: runs the cells of a table, and prints them beside the figures of the paper.
+
+use super::progress::Progress;
+use super::truth::Truth;
+use super::{measure, open};
+use crate::cli::{ReproduceArgs, Shard};
+use crate::config::{Config, SceneConfig};
+use crate::fail;
+use crate::metrics;
+use crate::output::{prepare_folder, write_file};
+use crate::presets;
+use crate::reference::scene_digest;
+use crate::renderer::{Renderer, needs_rays};
+use crate::tables::cells::{self, WALKS, is_done, reference_folder, run_folder};
+use crate::tables::{Plan, Run, Table, print, read};
+use anyhow::{Context, Result};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Runs or merges every table that is asked for. All are read and planned before anything is rendered.
+pub fn run(args: &ReproduceArgs) -> Result<()> {
+    let tables = args.tables.iter().map(|name| named(name)).collect::<Result<Vec<_>>>()?.concat();
+    let mut planned: Vec<(Table, Plan, PathBuf)> = Vec::new();
+    for (text, path) in tables {
+        let table = read::table(&text, &path)?;
+        let plan = Plan::of(&table, &args.sweep())?;
+        let folder = args.output().join(&table.name);
+        if let Some((other, ..)) = planned.iter().find(|(other, ..)| other.name == table.name) {
+            return Err(fail!(BadInput, "{}: two tables are called {}; run them one by one", path.display(), other.name));
+        }
+        planned.push((table, plan, folder));
+    }
+    let progress = Progress::new(args.quiet);
+    let mut session = Session { args, progress: &progress, open: None };
+    // Each table's runs have numbers of their own in the list of all, so that shards are about as long as each other.
+    let mut number = 0;
+    for (table, plan, folder) in &planned {
+        prepare_folder(folder)?;
+        if args.merge.is_empty() {
+            session.sweep(table, plan, folder, &mut number)?;
+        } else {
+            merge(&args.merge, table, plan, folder)?;
+        }
+        let results = cells::results(table, plan, folder)?;
+        results.write(folder)?;
+        progress.suspend(|| println!("{}{}\n", print::text(&results), folder.join("table.md").display()));
+    }
+    progress.end();
+    if let Some(open) = session.open {
+        measure::check_validation(&open.renderer, args.validate)?;
+    }
+    Ok(())
+}
+
+/// The tables of that name: text and path.
+fn named(name: &str) -> Result<Vec<(String, PathBuf)>> {
+    let own = presets::tables();
+    let path = Path::new(name);
+    if path.is_file() {
+        return Ok(vec![(crate::config::read_text(path)?, path.to_owned())]);
+    }
+    let of_paper = |table: &str| table.strip_prefix(name).is_some_and(|rest| rest.starts_with('-'));
+    let mut found: Vec<_> = own.iter().filter(|(table, _)| *table == name).collect();
+    if found.is_empty() {
+        found = own.iter().filter(|(table, _)| name == "all" || of_paper(table)).collect();
+    }
+    if found.is_empty() {
+        let names: Vec<&str> = own.iter().map(|(name, _)| *name).collect();
+        let near = crate::config::nearest(name, &names).map_or_else(String::new, |near| format!("; did you mean {near}?"));
+        return Err(fail!(BadInput, "{name}: is neither a table nor a file{near} There are {}", names.join(", ")));
+    }
+    Ok(found.into_iter().map(|(name, text)| ((*text).to_owned(), Path::new(name).with_extension("toml"))).collect())
+}
+
+/// A device with a scene, which stay from run to run.
+struct Open {
+    scene: SceneConfig,
+    rays: bool,
+    renderer: Renderer,
+    /// Of what the truth of this scene depends on.
+    digest: String,
+}
+
+struct Session<'a> {
+    args: &'a ReproduceArgs,
+    progress: &'a Progress,
+    open: Option<Open>,
+}
+
+impl Session<'_> {
+    fn sweep(&mut self, table: &Table, plan: &Plan, folder: &Path, number: &mut u32) -> Result<()> {
+        let mut todo: Vec<&Run> = Vec::new();
+        for run in &plan.runs {
+            let mine = self.args.shard.is_none_or(|shard: Shard| shard.has(*number));
+            *number += 1;
+            if mine && !(self.args.resume && is_done(folder, run) && self.has_truth(table, run, folder)) {
+                todo.push(run);
+            }
+        }
+        for (i, run) in todo.iter().enumerate() {
+            self.progress.step(i as u64, todo.len() as u64, &format!("{}: {}", table.name, run.label));
+            self.one(table, run, folder).with_context(|| format!("{}: {}", table.name, run.label))?;
+        }
+        Ok(())
+    }
+
+    fn has_truth(&self, table: &Table, run: &Run, folder: &Path) -> bool {
+        !run.needs_reference || reference_folder(folder, &run.reference_key(table)).join("run.json").is_file()
+    }
+
+    fn one(&mut self, table: &Table, run: &Run, folder: &Path) -> Result<()> {
+        let config = &run.config;
+        let (args, progress) = (self.args, self.progress);
+        let open = self.opened(config, run.needs_reference)?;
+        open.renderer.check(config)?;
+        if run.needs_reference {
+            let key = run.reference_key(table);
+            let truth = Truth { config, digest: &open.digest, goal: table.reference };
+            truth.bring(&mut open.renderer, &reference_folder(folder, &key), &table.name, progress)?;
+        }
+        let own = run_folder(folder, run);
+        let measured = measure::frames(&mut open.renderer, config, progress)?;
+        if !run.walks.is_empty() {
+            let mut walks = BTreeMap::new();
+            for layer in &run.walks {
+                walks.insert(layer.clone(), metrics::flicker_of_walk(&mut open.renderer, config, layer)?);
+            }
+            prepare_folder(&own)?;
+            write_file(&own.join(WALKS), &serde_json::to_vec_pretty(&walks)?)?;
+        }
+        measure::check_validation(&open.renderer, args.validate)?;
+        measured.write(&own, Path::new(&table.name), config, &open.renderer)
+    }
+
+    /// The device with the scene of a config; another one is given back first.
+    fn opened(&mut self, config: &Config, truth: bool) -> Result<&mut Open> {
+        let rays = truth || needs_rays(config);
+        let fits = |open: &Open| open.scene == config.scene && (open.rays || !rays);
+        if !self.open.as_ref().is_some_and(fits) {
+            self.open = None;
+            let (gpu, scene, warnings) = open(config, self.args.device.as_ref(), self.args.validate)?;
+            warnings.iter().for_each(|warning| self.progress.warn(warning));
+            let digest = scene_digest(&scene);
+            let renderer = if rays { Renderer::traced(gpu, scene)? } else { Renderer::new(gpu, scene)? };
+            self.open = Some(Open { scene: config.scene.clone(), rays, renderer, digest });
+        }
+        match &mut self.open {
+            Some(open) => Ok(open),
+            None => unreachable!("it has just been opened"),
+        }
+    }
+}
+
+/// Brings what shards have left of a table into one folder.
+fn merge(parts: &[PathBuf], table: &Table, plan: &Plan, folder: &Path) -> Result<()> {
+    let names = plan.runs.iter().map(|run| PathBuf::from("runs").join(&run.key));
+    let truths = plan.runs.iter().filter(|run| run.needs_reference).map(|run| PathBuf::from("references").join(run.reference_key(table)));
+    for name in names.chain(truths) {
+        let done = |part: &PathBuf| part.join(&table.name).join(&name).join("run.json").is_file();
+        let Some(part) = parts.iter().find(|part| done(part)) else {
+            return Err(fail!(
+                BadInput,
+                "{}: none of the {} folders has {}; run the shard that it is missing from, with the same --scale, --quick and --set",
+                table.name,
+                parts.len(),
+                Path::new(&table.name).join(&name).display()
+            ));
+        };
+        let (from, to) = (part.join(&table.name).join(&name), folder.join(&name));
+        if from != to {
+            super::truth::copy_folder(&from, &to)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,68 @@
+//! The truth of a table's run: traced once to its goal, and kept in the user's cache for the next table that asks for it.
+
+use super::progress::Progress;
+use super::reference;
+use crate::config::Config;
+use crate::output::file::not_written;
+use crate::output::prepare_folder;
+use crate::reference::{Settings, identity};
+use crate::renderer::Renderer;
+use crate::tables::ReferenceGoal;
+use crate::tables::cells::reference_cache;
+use anyhow::Result;
+use std::path::Path;
+
+/// A truth that is asked for.
+pub struct Truth<'a> {
+    pub config: &'a Config,
+    /// Of the scene: [`crate::reference::scene_digest`].
+    pub digest: &'a str,
+    pub goal: ReferenceGoal,
+}
+
+impl Truth<'_> {
+    /// Makes sure that `folder` has it.
+    pub fn bring(&self, renderer: &mut Renderer, folder: &Path, table: &str, progress: &Progress) -> Result<()> {
+        if folder.join(LAST).is_file() {
+            return Ok(());
+        }
+        let settings = Settings {
+            bounces: self.goal.bounces,
+            frame_index: self.config.frame.count - 1,
+            min_distance: if self.goal.min_distance { self.config.gather.min_distance } else { 0.0 },
+            centered: self.goal.centers,
+        };
+        let shader = renderer.engine().shader_key("reference/path.comp")?.to_hex();
+        let identity = format!("{}-{shader}", identity(self.config, settings, self.digest));
+        // What is enough is part of the key: a truth that another table refined would give other figures than the first time.
+        let key = blake3::hash(format!("{identity} {} {}", self.goal.error, self.goal.samples).as_bytes()).to_hex();
+        let kept = reference_cache().map(|cache| cache.join(&key.as_str()[..32]));
+        if let Some(kept) = kept.as_ref().filter(|kept| kept.join(LAST).is_file()) {
+            return copy_folder(kept, folder);
+        }
+        let goal = reference::Goal { spp: self.goal.samples, target_error: Some(self.goal.error), time: None };
+        reference::trace(renderer, self.config, settings, &identity, &goal, table, folder, progress)?;
+        if let Some(kept) = kept
+            && let Err(error) = copy_folder(folder, &kept)
+        {
+            progress.warn(&format!("the reference is not kept for the next table: {error:#}"));
+        }
+        Ok(())
+    }
+}
+
+/// Written last: where it is, all is.
+const LAST: &str = "run.json";
+
+/// Copies the files of a folder, each whole or not at all, its record last.
+pub fn copy_folder(from: &Path, to: &Path) -> Result<()> {
+    prepare_folder(to)?;
+    let cannot = |error: std::io::Error| crate::fail!(BadInput, "{}: cannot be read ({error})", from.display());
+    let mut names = std::fs::read_dir(from).map_err(cannot)?.map(|entry| Ok(entry?.file_name())).collect::<std::io::Result<Vec<_>>>().map_err(cannot)?;
+    names.sort_by_key(|name| name == LAST);
+    for name in names {
+        let bytes = std::fs::read(from.join(&name)).map_err(cannot)?;
+        crate::output::write_file(&to.join(&name), &bytes)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,314 @@
+//! From the folders of runs to the cells of a table.
+
+use super::plan::{Plan, Run};
+use super::{Against, Figure, Table, What};
+use crate::metrics::{self, ImageFile, Measures};
+use crate::output::write_file;
+use crate::report::Device;
+use crate::{cache, fail};
+use anyhow::{Context, Result};
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A cell's value with what belongs to it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cell {
+    /// What was measured.
+    pub measure: String,
+    /// `ms`, `x` (a ratio), `bytes`, or nothing.
+    pub unit: &'static str,
+    /// `None` where `why` says so.
+    pub value: Option<f64>,
+    /// 5th and 95th percentile of the frames, and their number; only times have them.
+    pub p5: Option<f64>,
+    pub p95: Option<f64>,
+    pub n: Option<u64>,
+    /// The paper's figure.
+    pub published: Option<f64>,
+    /// Of times, over the cell that the table names; the paper's likewise.
+    pub relative: Option<f64>,
+    pub published_relative: Option<f64>,
+    /// The run's and the truth's folder.
+    pub run: Option<String>,
+    pub reference: Option<String>,
+    /// Why there is no value.
+    pub why: Option<String>,
+}
+
+/// A table's cells and where they come from: `table.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Results {
+    pub kind: &'static str,
+    pub name: String,
+    pub title: String,
+    pub source: Option<String>,
+    pub about: Option<String>,
+    pub version: String,
+    pub device: Option<Device>,
+    pub timing_mode: Option<String>,
+    pub scale: f64,
+    pub quick: bool,
+    pub sets: Vec<String>,
+    /// Whether all runs are there.
+    pub complete: bool,
+    /// The paper's hardware, scene and settings.
+    pub published: Value,
+    pub deviations: Vec<String>,
+    pub rows: Vec<String>,
+    pub columns: Vec<String>,
+    /// Row by row.
+    pub cells: Vec<Vec<Cell>>,
+    /// By key: label and the keys by which they differ.
+    pub runs: BTreeMap<String, Value>,
+    pub references: Vec<String>,
+}
+
+/// The folder of a run in that of its table.
+pub fn run_folder(folder: &Path, run: &Run) -> PathBuf {
+    folder.join("runs").join(&run.key)
+}
+
+/// The folder of a truth in that of its table.
+pub fn reference_folder(folder: &Path, key: &str) -> PathBuf {
+    folder.join("references").join(key)
+}
+
+/// Whether a run has left everything. Its record is written last.
+pub fn is_done(folder: &Path, run: &Run) -> bool {
+    run_folder(folder, run).join(RECORD).is_file()
+}
+
+/// What a run is measured by, beside its record: the flicker of layers over its frames.
+pub const WALKS: &str = "walks.json";
+const RECORD: &str = "run.json";
+const IMAGE: &str = "image.exr";
+
+/// Works all cells out.
+///
+/// # Errors
+/// `BadInput` where a file of a run is damaged, or runs of several devices or versions stand side by side.
+pub fn results(table: &Table, plan: &Plan, folder: &Path) -> Result<Results> {
+    let mut records = BTreeMap::new();
+    for run in plan.runs.iter().filter(|run| is_done(folder, run)) {
+        records.insert(run.key.as_str(), read_json(&run_folder(folder, run).join(RECORD))?);
+    }
+    let origin = origin(folder, &records)?;
+    let mut source = Source { table, plan, folder, records, compared: BTreeMap::new() };
+    let mut cells: Vec<Vec<Cell>> = Vec::new();
+    for row in 0..table.rows.len() {
+        cells.push((0..table.columns.len()).map(|column| source.cell(row, column)).collect::<Result<_>>()?);
+    }
+    let values: Vec<Vec<Option<f64>>> = cells.iter().map(|row| row.iter().map(|cell| cell.value).collect()).collect();
+    if let Some(place) = table.relative_to {
+        for (row, column) in table.places().filter(|(row, column)| matches!(table.measure(*row, *column).what, What::Time { .. })) {
+            let (of_row, of_column) = place.from(row, column);
+            let over = |value: Option<f64>, base: Option<f64>| Some(value? / base.filter(|base| *base > 0.0)?);
+            cells[row][column].relative = over(values[row][column], values[of_row][of_column]);
+            let published = |row: usize, column: usize| table.published.as_ref().and_then(|published| published.figures[row][column]);
+            cells[row][column].published_relative = over(published(row, column), published(of_row, of_column));
+        }
+    }
+    let published = table.published.as_ref().map_or(Value::Null, |published| {
+        json!({ "hardware": published.hardware, "scene": published.scene, "settings": published.settings })
+    });
+    let references = plan.runs.iter().filter(|run| run.needs_reference).map(|run| run.reference_key(table));
+    let references: std::collections::BTreeSet<String> = references.filter(|key| reference_folder(folder, key).is_dir()).collect();
+    let run = |run: &Run| {
+        let [width, height] = run.config.frame.size;
+        (run.key.clone(), json!({ "label": run.label, "set": run.set, "width": width, "height": height }))
+    };
+    Ok(Results {
+        kind: "table",
+        name: table.name.clone(),
+        title: table.title.clone(),
+        source: table.source.clone(),
+        about: table.about.clone(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        device: origin.as_ref().map(|origin| origin.0.clone()),
+        timing_mode: origin.map(|origin| origin.1),
+        scale: plan.sweep.scale,
+        quick: plan.sweep.quick,
+        sets: plan.sweep.sets.clone(),
+        complete: plan.runs.iter().all(|run| is_done(folder, run)),
+        published,
+        deviations: table.deviations.clone(),
+        rows: table.rows.iter().map(|line| line.name.clone()).collect(),
+        columns: table.columns.iter().map(|line| line.name.clone()).collect(),
+        cells,
+        runs: plan.runs.iter().map(run).collect(),
+        references: references.into_iter().collect(),
+    })
+}
+
+/// Device and timing mode that all runs have in common.
+fn origin(folder: &Path, records: &BTreeMap<&str, Value>) -> Result<Option<(Device, String)>> {
+    let mut found: Option<(&str, &Value, &Value, &Value)> = None;
+    for (key, record) in records {
+        let (device, mode, version) = (&record["device"], &record["timing_mode"], &record["version"]);
+        match found {
+            Some((other, a, b, c)) if (a, b, c) != (device, mode, version) => {
+                return Err(fail!(
+                    BadInput,
+                    "{}: runs {other} and {key} come from different devices, timing modes or versions, whose figures do not go into one table; remove one of them",
+                    folder.display()
+                ));
+            }
+            _ => found = Some((key, device, mode, version)),
+        }
+    }
+    let Some((key, device, mode, _)) = found else { return Ok(None) };
+    let text = |name: &str| device[name].as_str().map(str::to_owned);
+    let read = || {
+        let device = Device { name: text("name")?, kind: text("kind")?, driver: text("driver")?, driver_version: text("driver_version")? };
+        Some((device, mode.as_str()?.to_owned()))
+    };
+    read().map(Some).ok_or_else(|| fail!(BadInput, "{}: run {key} has a {RECORD} that does not say on which device it ran; remove it", folder.display()))
+}
+
+fn read_json(path: &Path) -> Result<Value> {
+    let bytes = std::fs::read(path).map_err(|error| fail!(BadInput, "{}: cannot be read ({error})", path.display()))?;
+    serde_json::from_slice(&bytes).map_err(|error| fail!(BadInput, "{}: is damaged ({error}); remove it to run it again", path.display()))
+}
+
+struct Source<'t> {
+    table: &'t Table,
+    plan: &'t Plan,
+    folder: &'t Path,
+    records: BTreeMap<&'t str, Value>,
+    /// Comparisons made, since several figures come from each.
+    compared: BTreeMap<(PathBuf, PathBuf, String), Measures>,
+}
+
+/// A value, or why there is none.
+type Found = std::result::Result<f64, String>;
+
+impl Source<'_> {
+    fn cell(&mut self, row: usize, column: usize) -> Result<Cell> {
+        let what = self.table.measure(row, column).what.clone();
+        let mut cell = Cell {
+            measure: what.label(),
+            unit: what.unit(),
+            value: None,
+            p5: None,
+            p95: None,
+            n: None,
+            published: self.table.published.as_ref().and_then(|published| published.figures[row][column]),
+            relative: None,
+            published_relative: None,
+            run: None,
+            reference: None,
+            why: None,
+        };
+        let found = self.found(&what, row, column, &mut cell)?;
+        match found {
+            Ok(value) if value.is_finite() => cell.value = Some(value),
+            Ok(_) => cell.why = Some("is not a finite number".to_owned()),
+            Err(why) => cell.why = Some(why),
+        }
+        Ok(cell)
+    }
+
+    fn found(&mut self, what: &What, row: usize, column: usize, cell: &mut Cell) -> Result<Found> {
+        if let What::Ratio { of, over } = what {
+            let mut values = [0.0; 2];
+            for (value, place) in values.iter_mut().zip([of, over]) {
+                let (row, column) = place.from(row, column);
+                match self.cell(row, column)? {
+                    Cell { value: Some(found), .. } => *value = found,
+                    Cell { why, .. } => return Ok(Err(why.unwrap_or_default())),
+                }
+            }
+            return Ok(Ok(values[0] / values[1]));
+        }
+        let (table, plan) = (self.table, self.plan);
+        let run = plan.run(row, column);
+        cell.run = Some(run.key.clone());
+        let Some(record) = self.records.get(run.key.as_str()) else { return Ok(Err("has not been run".to_owned())) };
+        let own = run_folder(self.folder, run);
+        Ok(match what {
+            What::Time { of } => {
+                let Some(time) = timed(&record["timings"], of) else { return Ok(Err(format!("the frame has no {of}"))) };
+                (cell.p5, cell.p95, cell.n) = (time["p5"].as_f64(), time["p95"].as_f64(), time["n"].as_u64());
+                time["median"].as_f64().ok_or_else(|| "was not timed".to_owned())
+            }
+            What::Count { of } => record["counts"][of].as_f64().ok_or_else(|| format!("no pass counts {of}")),
+            What::Memory { of } => memory(&record["memory"], of).ok_or_else(|| format!("the frame has no {of}")),
+            What::Flicker { layer } => {
+                let walks = read_json(&own.join(WALKS))?;
+                walks[layer].as_f64().ok_or_else(|| format!("the flicker of {layer} was not measured"))
+            }
+            What::Error { figure, layer, against } => {
+                let other = match against {
+                    Against::Reference => {
+                        let key = run.reference_key(table);
+                        cell.reference = Some(key.clone());
+                        reference_folder(self.folder, &key)
+                    }
+                    Against::Cell(place) => {
+                        let (row, column) = place.from(row, column);
+                        run_folder(self.folder, plan.run(row, column))
+                    }
+                };
+                if !other.join(RECORD).is_file() {
+                    return Ok(Err("what it is measured against has not been run".to_owned()));
+                }
+                let key = (own.join(IMAGE), other.join(IMAGE), layer.label());
+                if !self.compared.contains_key(&key) {
+                    let measures = compare(&key.0, &key.1, layer)?;
+                    self.compared.insert(key.clone(), measures);
+                }
+                figure_of(&self.compared[&key], *figure).ok_or_else(|| format!("{} has no {}", layer.label(), figure.name()))
+            }
+            What::Ratio { .. } => unreachable!("ratios are of cells"),
+        })
+    }
+}
+
+fn timed<'v>(timings: &'v Value, of: &str) -> Option<&'v Value> {
+    if of == "frame" {
+        return Some(&timings["total"]).filter(|total| total.is_object());
+    }
+    let list = &timings[if of.contains('/') { "passes" } else { "stages" }];
+    list.as_array()?.iter().find(|row| row["name"] == of)
+}
+
+fn memory(memory: &Value, of: &str) -> Option<f64> {
+    if of == "frame" {
+        return memory["stages"].as_object().map(|stages| stages.values().filter_map(Value::as_f64).sum());
+    }
+    memory[if of.contains('/') { "resources" } else { "stages" }][of].as_f64()
+}
+
+fn compare(test: &Path, reference: &Path, layer: &super::LayerPair) -> Result<Measures> {
+    let of = |path: &Path, names: &[String]| ImageFile::open(path)?.layer(names);
+    let compared = metrics::compare(&of(test, &layer.test)?, &of(reference, &layer.reference)?);
+    Ok(compared.with_context(|| format!("{} and {}: layer {}", test.display(), reference.display(), layer.label()))?.measures)
+}
+
+fn figure_of(measures: &Measures, figure: Figure) -> Option<f64> {
+    match figure {
+        Figure::Rmse => Some(measures.rmse),
+        Figure::Relmse => Some(measures.relmse),
+        Figure::Energy => measures.energy,
+        Figure::Worst => Some(measures.worst),
+        Figure::Flip => measures.flip,
+    }
+}
+
+impl Results {
+    /// Writes `table.json`, `table.md` and `table.csv`.
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        let mut json = serde_json::to_vec_pretty(self).context("table.json cannot be put together")?;
+        json.push(b'\n');
+        write_file(&folder.join("table.json"), &json)?;
+        write_file(&folder.join("table.md"), super::print::markdown(self).as_bytes())?;
+        write_file(&folder.join("table.csv"), &super::print::csv(self)?)
+    }
+}
+
+/// Where truths are kept from table to table.
+pub fn reference_cache() -> Option<PathBuf> {
+    cache::user().folder().map(|folder| folder.join("references"))
+}

@@ -1,0 +1,182 @@
+//! Which runs a table takes, and which cell is of which.
+
+use super::{Against, Table, What};
+use crate::config::{Config, to_toml};
+use anyhow::{Context, Result};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What a user changes of a whole table, all of it stated in what comes out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sweep {
+    /// Multiplies both sides of every picture.
+    pub scale: f64,
+    /// Few frames each.
+    pub quick: bool,
+    /// `--set` options, laid over every cell.
+    pub sets: Vec<String>,
+}
+
+impl Default for Sweep {
+    fn default() -> Self {
+        Self { scale: 1.0, quick: false, sets: Vec::new() }
+    }
+}
+
+/// Frames of a quick run, and of a quick walk.
+const QUICK: u32 = 3;
+const QUICK_WALK: u32 = 6;
+
+/// A config that is rendered once for all cells that have it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// Its folder's name: a hash of the config, in which a scene's file stands without its folders, so that it is the same on all
+    /// machines.
+    pub key: String,
+    /// The row and column that it is first for, as far as they set something.
+    pub label: String,
+    pub config: Config,
+    /// The keys that differ from run to run, as TOML.
+    pub set: BTreeMap<String, String>,
+    /// Layers whose flicker over all frames is wanted.
+    pub walks: BTreeSet<String>,
+    /// Whether something is measured against the truth.
+    pub needs_reference: bool,
+}
+
+impl Run {
+    /// The folder's name of the truth for this run.
+    pub fn reference_key(&self, table: &Table) -> String {
+        let mut config = Config { camera: self.config.camera.clone(), light: self.config.light.clone(), ..Config::default() };
+        config.scene = self.config.scene.clone();
+        config.materials = self.config.materials.clone();
+        (config.frame.size, config.frame.count, config.frame.fps) = (self.config.frame.size, self.config.frame.count, self.config.frame.fps);
+        config.frame.seed = self.config.frame.seed;
+        let goal = table.reference;
+        // The bound is the one thing of the pipeline that a bounded truth depends on.
+        config.gather.min_distance = if goal.min_distance { self.config.gather.min_distance } else { 0.0 };
+        hash(&format!("{goal:?} {}", portable(&config)))
+    }
+}
+
+/// See the module's page.
+pub struct Plan {
+    pub runs: Vec<Run>,
+    /// Row by row: each cell's run, where it needs one.
+    of_cell: Vec<Vec<usize>>,
+    pub sweep: Sweep,
+}
+
+impl Plan {
+    /// Works all cells' configs out and checks them.
+    ///
+    /// # Errors
+    /// `BadInput` with file, line and key where a cell's config is wrong.
+    pub fn of(table: &Table, sweep: &Sweep) -> Result<Self> {
+        let mut all: Vec<Run> = Vec::new();
+        let mut of_cell = vec![vec![0; table.columns.len()]; table.rows.len()];
+        for (row, column) in table.places() {
+            let (of_row, of_column) = (&table.rows[row], &table.columns[column]);
+            let sets: Vec<_> = [&table.set, &of_row.set, &of_column.set].into_iter().flatten().collect();
+            let walks = matches!(table.measure(row, column).what, What::Flicker { .. });
+            let config = table
+                .base
+                .with(&sets, &sweep.sets)
+                .map(|config| sweep.apply(config, walks))
+                .with_context(|| format!("row {:?}, column {:?}", of_row.name, of_column.name))?;
+            let key = hash(&portable(&config));
+            of_cell[row][column] = all.iter().position(|run| run.key == key).unwrap_or_else(|| {
+                let names = [(&of_row.set, &of_row.name), (&of_column.set, &of_column.name)];
+                let parts: Vec<&str> = names.iter().filter(|(set, _)| set.is_some()).map(|(_, name)| name.as_str()).collect();
+                let label = if parts.is_empty() { table.name.clone() } else { parts.join(", ") };
+                all.push(Run { key, label, config, set: BTreeMap::new(), walks: BTreeSet::new(), needs_reference: false });
+                all.len() - 1
+            });
+        }
+        let mut needed = vec![false; all.len()];
+        for (row, column) in table.places() {
+            let of = of_cell[row][column];
+            match &table.measure(row, column).what {
+                What::Ratio { .. } => continue,
+                What::Flicker { layer } => _ = all[of].walks.insert(layer.clone()),
+                What::Error { against: Against::Reference, .. } => all[of].needs_reference = true,
+                What::Error { against: Against::Cell(place), .. } => {
+                    let (row, column) = place.from(row, column);
+                    needed[of_cell[row][column]] = true;
+                }
+                What::Time { .. } | What::Count { .. } | What::Memory { .. } => {}
+            }
+            needed[of] = true;
+        }
+        let mut runs = Vec::new();
+        let places: Vec<usize> = needed
+            .iter()
+            .zip(all)
+            .map(|(needed, run)| {
+                if *needed {
+                    runs.push(run);
+                }
+                runs.len().saturating_sub(1)
+            })
+            .collect();
+        of_cell.iter_mut().flatten().for_each(|run| *run = places[*run]);
+        tell_apart(&mut runs);
+        Ok(Self { runs, of_cell, sweep: sweep.clone() })
+    }
+
+    /// The run of a cell that is no ratio, or that another cell is measured against.
+    pub fn run(&self, row: usize, column: usize) -> &Run {
+        &self.runs[self.of_cell[row][column]]
+    }
+}
+
+impl Sweep {
+    fn apply(&self, mut config: Config, walks: bool) -> Config {
+        config.frame.size = config.frame.size.map(|side| ((f64::from(side) * self.scale).round() as u32).max(1));
+        if self.quick {
+            config.frame.count = config.frame.count.min(if walks { QUICK_WALK } else { QUICK });
+            config.frame.warmup = config.frame.warmup.min(2);
+        }
+        config
+    }
+}
+
+fn hash(text: &str) -> String {
+    blake3::hash(text.as_bytes()).to_hex()[..12].to_owned()
+}
+
+/// A config as text that is the same wherever the scene's file lies.
+fn portable(config: &Config) -> String {
+    let mut config = config.clone();
+    config.scene.file = config.scene.file.as_ref().and_then(|file| file.file_name()).map(Into::into);
+    to_toml(&config)
+}
+
+/// Says of each run by which keys it differs from others.
+fn tell_apart(runs: &mut [Run]) {
+    let all: Vec<BTreeMap<String, String>> = runs.iter().map(|run| flat(&run.config)).collect();
+    let keys: BTreeSet<&String> = all.iter().flat_map(BTreeMap::keys).collect();
+    let differs = |key: &&String| all.iter().any(|config| config.get(*key) != all[0].get(*key));
+    let differing: Vec<&String> = keys.into_iter().filter(differs).collect();
+    for (run, config) in runs.iter_mut().zip(&all) {
+        run.set = differing.iter().filter_map(|key| Some(((*key).clone(), config.get(*key)?.clone()))).collect();
+    }
+}
+
+/// Every key with its value as TOML; lists are values.
+fn flat(config: &Config) -> BTreeMap<String, String> {
+    fn walk(path: &str, value: &toml::Value, into: &mut BTreeMap<String, String>) {
+        match value {
+            toml::Value::Table(table) => {
+                for (key, value) in table {
+                    walk(&if path.is_empty() { key.clone() } else { format!("{path}.{key}") }, value, into);
+                }
+            }
+            value => _ = into.insert(path.to_owned(), value.to_string()),
+        }
+    }
+    let mut into = BTreeMap::new();
+    if let Ok(value) = toml::Value::try_from(config) {
+        walk("", &value, &mut into);
+    }
+    into
+}

@@ -1,0 +1,192 @@
+//! A table for people (text, Markdown) and for other programs (CSV).
+
+use super::cells::{Cell, Results};
+use anyhow::{Context, Result};
+use std::fmt::Write;
+
+/// As text, for a terminal.
+pub fn text(results: &Results) -> String {
+    let rows = lines(results);
+    let columns = results.columns.len() + 1;
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let mut text = format!("{}\n", heading(results));
+    for row in &rows {
+        let _ = write!(text, "{:<width$}", row[0], width = widths[0]);
+        for (cell, width) in row.iter().zip(&widths).skip(1) {
+            let _ = write!(text, "  {cell:>width$}");
+        }
+        text.push('\n');
+    }
+    for note in notes(results) {
+        let _ = writeln!(text, "{note}");
+    }
+    text
+}
+
+/// As Markdown, with a heading.
+pub fn markdown(results: &Results) -> String {
+    let escape = |text: &str| text.replace('|', "\\|").replace('\n', " ");
+    let mut text = format!("### {}\n\n", escape(&heading(results)));
+    if let Some(about) = &results.about {
+        let _ = writeln!(text, "{about}\n");
+    }
+    for (i, row) in lines(results).iter().enumerate() {
+        let _ = writeln!(text, "| {} |", row.iter().map(|cell| escape(cell)).collect::<Vec<_>>().join(" | "));
+        if i == 0 {
+            let _ = writeln!(text, "|---|{}", "---:|".repeat(results.columns.len()));
+        }
+    }
+    text.push('\n');
+    for note in notes(results) {
+        let _ = writeln!(text, "{}  ", escape(&note));
+    }
+    text
+}
+
+/// One line a cell, figures in full.
+pub fn csv(results: &Results) -> Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let put = |writer: &mut csv::Writer<Vec<u8>>, record: Vec<String>| writer.write_record(record).context("table.csv cannot be put together");
+    let head = [
+        "table", "row", "column", "measure", "unit", "value", "p5", "p95", "n", "published", "relative", "published_relative", "run",
+        "reference", "why", "scale", "quick", "mode", "device", "driver", "version",
+    ];
+    put(&mut writer, head.map(str::to_owned).to_vec())?;
+    let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+    let (device, driver) = results.device.as_ref().map_or_else(Default::default, |device| (format!("{} [{}]", device.name, device.kind), device.driver_label()));
+    for (row, cells) in results.rows.iter().zip(&results.cells) {
+        for (column, cell) in results.columns.iter().zip(cells) {
+            let own = [results.name.clone(), row.clone(), column.clone(), cell.measure.clone(), cell.unit.to_owned()];
+            let numbers = [number(cell.value), number(cell.p5), number(cell.p95), number(cell.n.map(|n| n as f64)), number(cell.published)];
+            let ratios = [number(cell.relative), number(cell.published_relative)];
+            let [run, reference, why] = [&cell.run, &cell.reference, &cell.why].map(|text| text.clone().unwrap_or_default());
+            let from = [results.scale.to_string(), results.quick.to_string(), results.timing_mode.clone().unwrap_or_default()];
+            let record = own.into_iter().chain(numbers).chain(ratios).chain([run, reference, why]).chain(from);
+            put(&mut writer, record.chain([device.clone(), driver.clone(), results.version.clone()]).collect())?;
+        }
+    }
+    writer.into_inner().context("table.csv cannot be put together")
+}
+
+fn heading(results: &Results) -> String {
+    match &results.source {
+        Some(source) => format!("{} ({source})", results.title),
+        None => results.title.clone(),
+    }
+}
+
+/// Names and cells, row by row, the heads first.
+fn lines(results: &Results) -> Vec<Vec<String>> {
+    let mut lines = vec![std::iter::once(String::new()).chain(results.columns.iter().cloned()).collect::<Vec<_>>()];
+    for (name, cells) in results.rows.iter().zip(&results.cells) {
+        lines.push(std::iter::once(name.clone()).chain(cells.iter().map(|cell| shown(cell, results.is_cpu()))).collect());
+    }
+    lines
+}
+
+impl Results {
+    /// Whether the times are a software driver's, beside which a paper's have no place.
+    pub fn is_cpu(&self) -> bool {
+        self.device.as_ref().is_some_and(|device| device.kind == "cpu")
+    }
+}
+
+/// A cell with the paper's figure beside it, where the two can be held against each other.
+fn shown(cell: &Cell, is_cpu: bool) -> String {
+    let Some(value) = cell.value else { return "-".to_owned() };
+    let mut text = figure(value, cell.unit);
+    if let Some(published) = cell.published.filter(|_| !(is_cpu && cell.unit == "ms")) {
+        let _ = write!(text, " (paper {})", figure(published, cell.unit));
+    }
+    if let Some(relative) = cell.relative {
+        let _ = write!(text, ", {}", figure(relative, "x"));
+        if let Some(published) = cell.published_relative {
+            let _ = write!(text, " (paper {})", figure(published, "x"));
+        }
+    }
+    text
+}
+
+/// Three to four digits and the unit.
+fn figure(value: f64, unit: &str) -> String {
+    if unit == "bytes" {
+        return format!("{} MB", digits(value / 1e6));
+    }
+    match unit {
+        "" => digits(value),
+        "x" => format!("{}x", digits(value)),
+        unit => format!("{} {unit}", digits(value)),
+    }
+}
+
+fn digits(value: f64) -> String {
+    match value.abs() {
+        x if x == 0.0 => "0".to_owned(),
+        x if x >= 1e6 && value.fract() != 0.0 => format!("{value:.4e}"),
+        x if value.fract() == 0.0 && x < 1e15 => format!("{value}"),
+        x if x >= 100.0 => format!("{value:.1}"),
+        x if x >= 10.0 => format!("{value:.2}"),
+        x if x >= 0.01 => format!("{value:.3}"),
+        _ => format!("{value:.3e}"),
+    }
+}
+
+/// Where the figures come from, and what a reader must know.
+fn notes(results: &Results) -> Vec<String> {
+    let mut notes = Vec::new();
+    match &results.device {
+        Some(device) => notes.push(format!(
+            "ours: {} [{}], {}, {} timing, medians, manylight {}",
+            device.name,
+            device.kind,
+            device.driver_label(),
+            results.timing_mode.as_deref().unwrap_or("unknown"),
+            results.version
+        )),
+        None => notes.push("ours: nothing has been run".to_owned()),
+    }
+    if results.is_cpu() {
+        notes.push("times are those of a software driver (cpu): only ratios stand beside the paper's".to_owned());
+    }
+    if !results.published.is_null() {
+        let said = ["hardware", "scene", "settings"].iter().filter_map(|key| results.published[key].as_str()).collect::<Vec<_>>();
+        notes.push(format!("paper: {}", said.join("; ")));
+    }
+    if results.scale != 1.0 {
+        notes.push(format!("scaled: pictures are {} times as wide and high as the table says", results.scale));
+    }
+    if results.quick {
+        notes.push("quick: few frames each".to_owned());
+    }
+    if !results.sets.is_empty() {
+        notes.push(format!("changed in every cell: {}", results.sets.join(", ")));
+    }
+    let missing: Vec<&str> = results.cells.iter().flatten().filter_map(|cell| cell.why.as_deref()).collect();
+    if let Some(first) = missing.first() {
+        notes.push(format!("{} of {} cells are empty, the first because it {first}", missing.len(), results.cells.iter().flatten().count()));
+    }
+    notes.extend(results.deviations.iter().map(|deviation| format!("note: {deviation}")));
+    notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_have_three_or_four_digits() {
+        let cases = [
+            (0.0, "", "0"),
+            (12.0, "", "12"),
+            (40.237, "ms", "40.24 ms"),
+            (3.14159, "x", "3.142x"),
+            (123.456, "ms", "123.5 ms"),
+            (0.00012345, "", "1.234e-4"),
+            (79_000_000.0, "bytes", "79 MB"),
+        ];
+        for (value, unit, expected) in cases {
+            assert_eq!(figure(value, unit), expected);
+        }
+    }
+}
