@@ -2,9 +2,11 @@
 
 mod compare;
 mod reference;
+mod report;
 
 pub use compare::{CompareArgs, LayerChoice};
 pub use reference::ReferenceArgs;
+pub use report::ReportArgs;
 
 use crate::config::{TimingMode, choices};
 use crate::gpu::DeviceChoice;
@@ -35,6 +37,8 @@ pub enum Command {
     },
     /// Say how far pictures are from their references
     Compare(CompareArgs),
+    /// Show runs beside their reference, their errors and times, and tables: one HTML file
+    Report(ReportArgs),
     /// Say which devices there are, what runs on them, and what is missing for the rest
     Doctor,
     /// List devices, stages, methods and presets
@@ -144,7 +148,7 @@ pub fn try_parse(arguments: Vec<OsString>) -> Result<Cli, clap::Error> {
 
 /// The short form: a config as the first argument means `render`. A file that is called as a command is given as ./NAME.
 fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
-    let commands = ["render", "reference", "compare", "export", "doctor", "list", "help"];
+    let commands = ["render", "reference", "compare", "report", "export", "doctor", "list", "help"];
     let short = arguments.get(1).is_some_and(|first| {
         let path = Path::new(first);
         let plain = !first.to_string_lossy().starts_with('-') && !commands.iter().any(|command| first == command);

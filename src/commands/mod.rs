@@ -7,6 +7,7 @@ pub mod list;
 mod progress;
 pub mod reference;
 pub mod render;
+pub mod report;
 
 use crate::cli::{Cli, Command};
 use crate::config::{self, Config};
@@ -26,6 +27,7 @@ pub fn run(cli: &Cli) -> Result<()> {
         Command::Reference(args) => reference::run(args),
         Command::Export { format } => export::run(format),
         Command::Compare(args) => compare::run(args),
+        Command::Report(args) => report::run(args),
         Command::Doctor => doctor::run(),
         Command::List => list::run(),
     }
