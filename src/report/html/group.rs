@@ -167,7 +167,7 @@ impl<'l> Builder<'l> {
         let key = |run: &Run| run.folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let table = group.table.as_ref().map(table::view);
         Ok(GroupView {
-            title: group.table.as_ref().map_or("Runs".to_owned(), |table| table.title.clone()),
+            title: title(group),
             source: group.table.as_ref().and_then(|table| table.source.clone()),
             about: group.table.as_ref().and_then(|table| table.about.clone()),
             table_notes: group.table.iter().zip(&table).flat_map(|(file, view)| table::notes(file, view, &group.runs)).collect(),
@@ -241,6 +241,15 @@ impl<'l> Builder<'l> {
         });
         self.known.insert(run.folder.clone(), number);
         Ok(number)
+    }
+}
+
+fn title(group: &Group) -> String {
+    match &group.table {
+        Some(table) => table.title.clone(),
+        None if !group.runs.is_empty() => "Runs".to_owned(),
+        None if !group.references.is_empty() => "References".to_owned(),
+        None => "Flicker".to_owned(),
     }
 }
 

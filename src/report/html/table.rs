@@ -230,31 +230,33 @@ pub fn view(table: &TableFile) -> TableView {
 
 /// What has to be known of a table: how it was run, what the published figures are of, and how ours differ.
 pub fn notes(table: &TableFile, view: &TableView, runs: &[Run]) -> Vec<String> {
-    let mut notes = vec![origin(table, runs)];
+    let mut how = Vec::new();
     if !table.complete {
-        notes.push("Incomplete: some cells were not run.".to_owned());
+        how.push("Incomplete: some cells were not run.".to_owned());
     }
     if table.quick {
-        notes.push("A quick run, which is less exact than a whole one.".to_owned());
+        how.push("A quick run, which is less exact than a whole one.".to_owned());
     }
     if table.scale != 1.0 {
-        notes.push(format!("Run at {} of the published size.", numbers::short(table.scale)));
+        how.push(format!("Run at {} of the published size.", numbers::short(table.scale)));
     }
-    notes.extend(view.frames.as_ref().map(|frames| format!("Times are the {frames}.")));
+    how.extend(view.frames.as_ref().map(|frames| format!("Times are the {frames}.")));
     if view.has_relative {
-        notes.push("× is relative to the table's base.".to_owned());
+        how.push("n× is a figure over that of the table's base.".to_owned());
     }
     let published = table.published.as_ref();
     let facts = published.map(|published| [&published.hardware, &published.scene, &published.settings]);
     let facts: Vec<&str> = facts.into_iter().flatten().flatten().map(String::as_str).collect();
+    let mut paper = Vec::new();
     if !facts.is_empty() {
-        notes.push(format!("The paper's figures are of: {}.", facts.join("; ")));
+        paper.push(format!("The paper's figures are of {}.", facts.join("; ")));
     }
     if view.hides_times {
-        notes.push("Its times are those of another kind of device than this CPU and are left out; ratios stand beside ours.".to_owned());
+        paper.push("Its times say nothing about those of a CPU and are left out; ratios stand beside ours.".to_owned());
     }
-    notes.extend(table.deviations.iter().map(|deviation| format!("Deviation: {deviation}")));
-    notes
+    let deviations = if table.deviations.is_empty() { String::new() } else { format!("Ours differs: {}.", table.deviations.join("; ")) };
+    let notes = [origin(table, runs), how.join(" "), paper.join(" "), deviations];
+    notes.into_iter().filter(|note| !note.is_empty()).collect()
 }
 
 /// Device, driver and mode of a table, and the resolutions and presets of its runs.
@@ -352,7 +354,7 @@ mod tests {
             "5 frames",
             "a GPU; 1024 VPLs",
             "left out",
-            "Deviation: another scene",
+            "Ours differs: another scene.",
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }
