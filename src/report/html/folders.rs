@@ -38,6 +38,11 @@ pub struct Run {
 }
 
 impl Run {
+    /// The name of its folder, by which a table knows it.
+    pub fn key(&self) -> String {
+        self.folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
     /// Paths a pixel of a reference; `None` for a render.
     pub fn samples(&self) -> Option<u64> {
         self.record.counts.get("reference/samples").copied()

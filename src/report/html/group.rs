@@ -4,13 +4,14 @@ use super::errors::{Errors, Measurer, Picture};
 use super::flicker::Flicker;
 use super::folders::{Group, Run};
 use super::keys::{self, Keys};
-use super::matching::{Match, reference_of};
+use super::matching::{Match, differences, reference_of};
 use super::numbers;
-use super::plot::{self, Line, Sample, Scatter};
+use super::plot::{self, Line};
 use super::provenance::{Origins, origins, parts};
-use super::record::{RecordView, reference_facts};
+use super::record::RecordView;
+use super::set::{Member, SetView, set_view};
 use super::stages::{StageTable, stage_table};
-use super::table::{self, TableView};
+use super::table_view::{self, TableView};
 use anyhow::Result;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -62,33 +63,6 @@ pub struct RunView {
     pub heatmap: Option<Picture>,
 }
 
-/// Runs that have the same reference, or none.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SetView {
-    pub reference: Option<ReferenceView>,
-    /// Numbers of the runs that have pictures.
-    pub figures: Vec<usize>,
-    /// Whether some run has a heat map.
-    pub has_heatmaps: bool,
-    pub plots: Vec<PlotView>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ReferenceView {
-    pub label: String,
-    /// Samples, bounces and what is known of its own error.
-    pub facts: String,
-    /// Number of its picture among those that the page shares.
-    pub picture: Option<usize>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PlotView {
-    pub scatter: Scatter,
-    /// What the guide says.
-    pub guide: &'static str,
-}
-
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FlickerView {
     pub label: String,
@@ -99,7 +73,7 @@ pub struct FlickerView {
 
 /// Builds the sections; a reference's picture is in the page once, however many runs it is beside.
 pub struct Builder<'l> {
-    pub measurer: Measurer<'l>,
+    measurer: Measurer<'l>,
     pub shared: Vec<Picture>,
     known: BTreeMap<PathBuf, Option<usize>>,
     /// What errors are of.
@@ -119,7 +93,7 @@ impl<'l> Builder<'l> {
         let id = format!("s{number}");
         let (origins, marks) = origins(group.runs.iter().map(|run| &run.record.from));
         let is_mixed = origins.kind.is_none();
-        let matches: Vec<Match> = group.runs.iter().map(|run| reference_of(run, &group.references, others)).collect();
+        let matches: Vec<Match> = group.runs.iter().map(|run| group_reference(group, run, others)).collect();
         let mut errors = Vec::new();
         for (run, found) in group.runs.iter().zip(&matches) {
             errors.push(match found {
@@ -136,43 +110,29 @@ impl<'l> Builder<'l> {
                 view.why = why(found);
             }
         }
+        let references = references(group, &matches);
         let mut sets = Vec::new();
-        let mut references: Vec<Option<&Run>> = Vec::new();
-        let of = |found: &Match<'_>| matches!(found, Match::Found(_));
-        for found in &matches {
-            let reference = if let Match::Found(reference) = found { Some(*reference) } else { None };
-            if !references.contains(&reference) {
-                references.push(reference);
-            }
-        }
-        // A reference that no run has is still something to look at.
-        references.extend(group.references.iter().map(Some).filter(|reference| !references.contains(reference)).collect::<Vec<_>>());
-        // Runs without a reference come last.
-        references.sort_by_key(Option::is_none);
         for reference in &references {
-            let members: Vec<usize> = (0..runs.len())
-                .filter(|i| match (&matches[*i], reference) {
-                    (Match::Found(found), Some(reference)) => found == reference,
-                    (found, None) => !of(found),
-                    _ => false,
-                })
+            let is_of = |i: &usize| found(&matches[*i]) == *reference;
+            let members: Vec<Member> = (0..runs.len())
+                .filter(is_of)
+                .map(|number| Member { number, view: &runs[number], run: &group.runs[number], errors: errors[number].as_ref() })
                 .collect();
-            sets.push(self.set(*reference, &members, &runs, &group.runs, &errors, &origins)?);
+            let reference = reference.map(|run| Ok::<_, anyhow::Error>((run, self.reference_picture(run)?))).transpose()?;
+            sets.extend(set_view(reference, &members, origins.kind.as_deref(), &self.layers));
         }
-        sets.retain(|set| !set.figures.is_empty() || set.reference.is_some() || !set.plots.is_empty());
         for (view, errors) in runs.iter_mut().zip(errors) {
             view.heatmap = errors.map(|errors| errors.heatmap);
         }
         let records = group.runs.iter().chain(references.iter().flatten().copied()).map(RecordView::of).collect();
-        let key = |run: &Run| run.folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let table = group.table.as_ref().map(table::view);
+        let table = group.table.as_ref().map(table_view::view);
         Ok(GroupView {
             title: title(group),
             source: group.table.as_ref().and_then(|table| table.source.clone()),
             about: group.table.as_ref().and_then(|table| table.about.clone()),
-            table_notes: group.table.iter().zip(&table).flat_map(|(file, view)| table::notes(file, view, &group.runs)).collect(),
+            table_notes: group.table.iter().zip(&table).flat_map(|(file, view)| table_view::notes(file, view, &group.runs)).collect(),
             table,
-            targets: group.runs.iter().zip(&runs).map(|(run, view)| (key(run), view.id.clone())).collect(),
+            targets: group.runs.iter().zip(&runs).map(|(run, view)| (run.key(), view.id.clone())).collect(),
             keys: keys::differing(&group.runs),
             runs,
             sets,
@@ -182,51 +142,6 @@ impl<'l> Builder<'l> {
             missing: group.missing.clone(),
             origins,
             id,
-        })
-    }
-
-    fn set(
-        &mut self,
-        reference: Option<&Run>,
-        members: &[usize],
-        views: &[RunView],
-        runs: &[Run],
-        errors: &[Option<Errors>],
-        origins: &Origins,
-    ) -> Result<SetView> {
-        let samples = |error: fn(&Errors) -> Option<f64>| -> Vec<Sample> {
-            let sample = |&i: &usize| {
-                let view = &views[i];
-                Some(Sample {
-                    label: view.kind.as_ref().map_or(view.label.clone(), |kind| format!("{} ({kind})", view.label)),
-                    time: runs[i].record.timings.total?.median,
-                    error: error(errors[i].as_ref()?)?,
-                    target: view.id.clone(),
-                })
-            };
-            members.iter().filter_map(sample).collect()
-        };
-        let time = format!("median frame time, ms{}", origins.kind.as_ref().map_or(String::new(), |kind| format!(", {kind}")));
-        let plots = [
-            (samples(|errors| Some(errors.measures.relmse)), -1.0, "relMSE", "relMSE ∝ 1/t"),
-            (samples(|errors| errors.measures.flip), -0.5, "FLIP", "FLIP ∝ 1/√t"),
-        ];
-        let plots = plots.into_iter().filter(|(samples, ..)| !samples.is_empty()).map(|(samples, slope, name, guide)| {
-            let scatter = plot::scatter(&samples, slope, &time, &format!("{name} of {}", self.layers));
-            PlotView { scatter, guide }
-        });
-        let plots = plots.collect();
-        let reference = match reference {
-            Some(run) => {
-                Some(ReferenceView { label: run.label.clone(), facts: reference_facts(&run.record), picture: self.reference_picture(run)? })
-            }
-            None => None,
-        };
-        Ok(SetView {
-            reference,
-            figures: members.iter().copied().filter(|i| views[*i].picture.is_some()).collect(),
-            has_heatmaps: members.iter().any(|i| errors[*i].is_some()),
-            plots,
         })
     }
 
@@ -241,6 +156,33 @@ impl<'l> Builder<'l> {
         });
         self.known.insert(run.folder.clone(), number);
         Ok(number)
+    }
+}
+
+fn found<'r>(found: &Match<'r>) -> Option<&'r Run> {
+    if let Match::Found(reference) = found { Some(reference) } else { None }
+}
+
+/// The references that a group shows, each once: those of its runs, then its others, which are something to look at too, and
+/// `None` last if there are runs without one.
+fn references<'r>(group: &'r Group, matches: &[Match<'r>]) -> Vec<Option<&'r Run>> {
+    let mut references: Vec<Option<&Run>> = Vec::new();
+    for reference in matches.iter().map(found).chain(group.references.iter().map(Some)) {
+        if !references.contains(&reference) {
+            references.push(reference);
+        }
+    }
+    references.sort_by_key(Option::is_none);
+    references
+}
+
+/// The reference of a run: the one that its table names, as long as it is of the same size, or else one that agrees with it.
+fn group_reference<'r>(group: &'r Group, run: &Run, others: &'r [Run]) -> Match<'r> {
+    let named = group.table.as_ref().and_then(|table| table.reference_of(&run.key()));
+    let named = named.and_then(|key| group.references.iter().find(|reference| reference.key() == key));
+    match named.filter(|reference| !differences(run, reference).contains(&"size")) {
+        Some(reference) => Match::Found(reference),
+        None => reference_of(run, &group.references, others),
     }
 }
 
@@ -294,7 +236,7 @@ fn flicker(flicker: &Flicker) -> FlickerView {
         label: flicker.label.clone(),
         from: flicker.from.as_ref().map_or(String::new(), |from| parts(from).join("; ")),
         walk: flicker.walk.map(numbers::short),
-        plot: (!flicker.pairs.is_empty()).then(|| plot::line(&flicker.pairs, "frame", "RMS change to the next frame")),
+        plot: (!flicker.pairs.is_empty()).then(|| plot::line(&flicker.pairs, "frame", "RMS change from frame to frame")),
     }
 }
 
@@ -322,5 +264,46 @@ mod tests {
         assert_eq!(view.sets.len(), 1);
         assert_eq!(view.sets[0].reference.as_ref().map(|reference| reference.facts.as_str()), Some("4 samples a pixel"));
         assert!(view.sets[0].figures.is_empty() && view.sets[0].plots.is_empty() && view.stages.is_none());
+    }
+
+    #[test]
+    fn a_reference_that_the_table_names_comes_before_one_that_has_more_samples() {
+        let reference = |label: &str, samples| {
+            let mut run = run(label);
+            run.record.counts.insert("reference/samples".to_owned(), samples);
+            run
+        };
+        let table = |named: Option<&str>| {
+            serde_json::from_value(serde_json::json!({
+                "name": "t", "title": "T", "version": "0.1.0", "timing_mode": "isolated",
+                "device": { "name": "d", "kind": "cpu", "driver": "e", "driver_version": "1" },
+                "rows": ["a"], "columns": ["b"], "cells": [[{ "value": 1, "run": "k1", "reference": named }]],
+            }))
+            .unwrap()
+        };
+        let references = || vec![reference("many", 64), reference("few", 4)];
+        let found = |named: Option<&str>, change: fn(&mut Run)| {
+            let mut group = Group { table: Some(table(named)), runs: vec![run("k1")], references: references(), ..Group::default() };
+            group.references.iter_mut().for_each(change);
+            super::found(&group_reference(&group, &group.runs[0], &[])).map(|reference| reference.label.clone())
+        };
+        assert_eq!(found(None, |_| ()).as_deref(), Some("many"));
+        assert_eq!(found(Some("few"), |_| ()).as_deref(), Some("few"));
+        assert_eq!(found(Some("gone"), |_| ()).as_deref(), Some("many"));
+        assert_eq!(found(Some("few"), |reference| reference.record.from.width = 1), None, "pictures of two sizes cannot be compared");
+    }
+
+    #[test]
+    fn where_a_cpu_and_a_gpu_are_side_by_side_each_run_says_which_it_is() {
+        let mut gpu = run("b");
+        gpu.record.from.device.kind = "gpu".to_owned();
+        let layers = layers();
+        let kinds = |runs: Vec<Run>| {
+            let view = Builder::new(&layers).group(&Group { runs, ..Group::default() }, &[], 1).unwrap();
+            let of_runs = view.runs.iter().map(|run| run.kind.clone()).collect::<Vec<_>>();
+            (view.origins.kind, of_runs)
+        };
+        assert_eq!(kinds(vec![run("a"), run("b")]), (Some("cpu".to_owned()), vec![None, None]));
+        assert_eq!(kinds(vec![run("a"), gpu]), (None, vec![Some("cpu".to_owned()), Some("gpu".to_owned())]));
     }
 }

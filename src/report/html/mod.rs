@@ -15,8 +15,10 @@ mod page;
 mod plot;
 mod provenance;
 mod record;
+mod set;
 mod stages;
 mod table;
+mod table_view;
 
 use crate::cli::LayerChoice;
 use anyhow::Result;
