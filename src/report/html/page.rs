@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn the_hash_is_that_of_browsers() {
-        // The example of the standard, Content Security Policy Level 3, section 6.7.2.
+        // The example of Content Security Policy Level 3.
         assert_eq!(hash("alert('Hello, world.');"), "sha256-qznLcsROx4GACP2dm0UCKCzCG+HiZ1guq6ZZDob/Tng=");
     }
 
