@@ -2,10 +2,12 @@
 
 mod compare;
 mod reference;
+mod report;
 mod reproduce;
 
 pub use compare::{CompareArgs, LayerChoice};
 pub use reference::ReferenceArgs;
+pub use report::ReportArgs;
 pub use reproduce::{ReproduceArgs, Shard, shard};
 
 use crate::config::{TimingMode, choices};
@@ -39,6 +41,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Run a table of a paper, or one's own, and print it beside the published figures
     Reproduce(ReproduceArgs),
+    /// Show runs beside their reference, their errors and times, and tables: one HTML file
+    Report(ReportArgs),
     /// Say which devices there are, what runs on them, and what is missing for the rest
     Doctor,
     /// List devices, stages, methods and presets
@@ -148,7 +152,7 @@ pub fn try_parse(arguments: Vec<OsString>) -> Result<Cli, clap::Error> {
 
 /// The short form: a config as the first argument means `render`. A file that is called as a command is given as ./NAME.
 fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
-    let commands = ["render", "reference", "compare", "export", "doctor", "list", "help"];
+    let commands = ["render", "reference", "compare", "report", "export", "doctor", "list", "help"];
     let short = arguments.get(1).is_some_and(|first| {
         let path = Path::new(first);
         let plain = !first.to_string_lossy().starts_with('-') && !commands.iter().any(|command| first == command);

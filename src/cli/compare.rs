@@ -65,7 +65,14 @@ pub struct LayerChoice {
     pub reference: Vec<String>,
 }
 
-fn layer_choice(text: &str) -> Result<LayerChoice, String> {
+impl std::fmt::Display for LayerChoice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [test, reference] = [&self.test, &self.reference].map(|names| names.join("+"));
+        if test == reference { write!(f, "{test}") } else { write!(f, "{test}={reference}") }
+    }
+}
+
+pub(super) fn layer_choice(text: &str) -> Result<LayerChoice, String> {
     let (test, reference) = text.split_once('=').unwrap_or((text, text));
     let [test, reference] = [test, reference].map(|sum| sum.split('+').map(|name| name.trim().to_owned()).collect::<Vec<_>>());
     if test.iter().chain(&reference).any(|name| name.is_empty() || name.contains('=')) {

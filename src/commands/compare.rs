@@ -21,7 +21,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         let references = images(&frame.reference, layers.iter().map(|choice| choice.reference.as_slice()))?;
         for ((choice, test), reference) in layers.iter().zip(&tests).zip(&references) {
             let Comparison { measures, map } = metrics::compare(test, reference).with_context(|| frame.both(choice))?;
-            let result = Line { frame: &frame.name, layer: label(choice), measures };
+            let result = Line { frame: &frame.name, layer: choice.to_string(), measures };
             check_thresholds(args, &result)?;
             if !args.json {
                 println!("{}", result.text());
@@ -35,7 +35,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
             results.push(result);
         }
     }
-    let summary: Vec<Line> = layers.iter().filter_map(|choice| summary(&label(choice), &results)).collect();
+    let summary: Vec<Line> = layers.iter().filter_map(|choice| summary(&choice.to_string(), &results)).collect();
     let over: Vec<Over> = results.iter().flat_map(|result| over(args, result)).collect();
     if args.json {
         let report = Report { test: &args.test, reference: &args.reference, frames: &results, summary: &summary, over: &over };
@@ -69,7 +69,7 @@ impl Frame {
     }
 
     fn both(&self, choice: &LayerChoice) -> String {
-        format!("{} and {}: layer {}", self.test.display(), self.reference.display(), label(choice))
+        format!("{} and {}: layer {choice}", self.test.display(), self.reference.display())
     }
 }
 
@@ -111,11 +111,6 @@ fn image_names(folder: &Path) -> Result<BTreeSet<PathBuf>> {
         names.extend(path.file_name().filter(|_| is_image).map(PathBuf::from));
     }
     Ok(names)
-}
-
-fn label(choice: &LayerChoice) -> String {
-    let [test, reference] = [&choice.test, &choice.reference].map(|names| names.join("+"));
-    if test == reference { test } else { format!("{test}={reference}") }
 }
 
 #[derive(Serialize)]

@@ -8,6 +8,7 @@ mod measure;
 mod progress;
 pub mod reference;
 pub mod render;
+pub mod report;
 pub mod reproduce;
 mod truth;
 
@@ -30,6 +31,7 @@ pub fn run(cli: &Cli) -> Result<()> {
         Command::Export { format } => export::run(format),
         Command::Compare(args) => compare::run(args),
         Command::Reproduce(args) => reproduce::run(args),
+        Command::Report(args) => report::run(args),
         Command::Doctor => doctor::run(),
         Command::List => list::run(),
     }

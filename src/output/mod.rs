@@ -9,5 +9,5 @@ pub mod run;
 
 pub use self::exr::{Exr, Layer, Samples, read_exr, write_exr};
 pub use self::file::{prepare_folder, write_file};
-pub use self::png::{Png, read_png, write_png};
+pub use self::png::{Png, png_bytes, read_png, write_png};
 pub use self::run::RunReport;

@@ -13,7 +13,12 @@ use std::path::Path;
 /// # Errors
 /// `OutputNotWritten` with the path and the reason; no file is left then.
 pub fn write_png(path: &Path, width: u32, height: u32, pixels: &[u8]) -> Result<()> {
-    write_file(path, &encode(width, height, pixels).context("an image cannot be encoded")?)
+    write_file(path, &png_bytes(width, height, pixels)?)
+}
+
+/// As [`write_png`], but the file's bytes.
+pub fn png_bytes(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>> {
+    encode(width, height, pixels).context("an image cannot be encoded")
 }
 
 fn encode(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>, png::EncodingError> {

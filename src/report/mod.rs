@@ -1,8 +1,9 @@
-//! Figures: the times of passes, their statistics, and the table and the CSV that show them.
+//! Figures: the times of passes, their statistics, and the table, the CSV and the page that show them.
 //!
 //! A figure never travels without its [`Provenance`].
 
 mod csv;
+pub mod html;
 mod statistics;
 mod table;
 
@@ -10,7 +11,7 @@ pub use self::csv::timings_csv;
 pub use self::statistics::{Row, Statistics, Timings};
 pub use self::table::timing_table;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How long a pass took in a frame. A pass that runs several times in a frame has several of these.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +37,7 @@ pub fn stage(pass: &str) -> &str {
 }
 
 /// Where figures come from: what must stand beside each of them.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Version of this program.
     pub version: String,
@@ -52,7 +53,7 @@ pub struct Provenance {
 }
 
 /// A device and its driver, as they name themselves.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Device {
     pub name: String,
     /// `cpu` for a software driver, else `gpu`.

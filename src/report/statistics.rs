@@ -1,11 +1,11 @@
 //! Order statistics of frames, by pass and by stage.
 
 use super::{PassTime, stage};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Order statistics of a sample, in its own unit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
     pub median: f64,
     /// 5th percentile.
@@ -37,7 +37,7 @@ fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
 }
 
 /// The statistics of a stage or a pass.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The stage's or the pass's name.
     pub name: String,
@@ -49,7 +49,7 @@ pub struct Row {
 }
 
 /// What a run's passes took, in the order in which they first ran.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Timings {
     pub stages: Vec<Row>,
     pub passes: Vec<Row>,

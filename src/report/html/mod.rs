@@ -1,0 +1,60 @@
+//! `manylight report`: one HTML file that shows runs, tables and how far they are from the truth.
+//!
+//! The file needs nothing but itself: pictures are data: URIs, plots are SVG, and its content policy lets through no request and
+//! no script or style but its own. Everything that comes out of files is escaped. The same folders give the same bytes.
+
+mod axis;
+mod errors;
+mod flicker;
+mod folders;
+mod group;
+mod keys;
+mod matching;
+mod numbers;
+mod page;
+mod plot;
+mod provenance;
+mod record;
+mod set;
+mod stages;
+mod table;
+mod table_view;
+
+use crate::cli::LayerChoice;
+use anyhow::Result;
+use std::path::PathBuf;
+
+/// The page about these folders; errors are of `layers`.
+///
+/// # Errors
+/// `BadInput` with the folder or the file and what is wrong with it.
+pub fn report(folders: &[PathBuf], layers: &LayerChoice) -> Result<String> {
+    page::render(&folders::read(folders)?, layers)
+}
+
+#[cfg(test)]
+mod samples {
+    use super::folders::{Record, Run};
+    use crate::report::{Timings, samples::provenance};
+    use serde_json::json;
+    use std::path::PathBuf;
+
+    /// A render that left no files.
+    pub fn run(label: &str) -> Run {
+        let config = json!({
+            "scene": { "builtin": "cornell", "seed": 0 },
+            "frame": { "size": [960, 540], "count": 5, "fps": 30.0 },
+            "materials": { "dielectric": "lambert" },
+            "vpls": { "count": 64 },
+        });
+        let record = Record {
+            from: provenance(),
+            timings: Timings::default(),
+            counts: Default::default(),
+            checks: Default::default(),
+            warnings: Vec::new(),
+            config,
+        };
+        Run { folder: PathBuf::from(label), label: label.to_owned(), record }
+    }
+}

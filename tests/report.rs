@@ -1,0 +1,222 @@
+//! `manylight report` as its users meet it: one file that a browser opens without asking for another.
+
+use serde_json::{Value, json};
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+const SMALL: &str =
+    "[scene]\nbuiltin = \"cornell\"\n[frame]\nsize = [64, 36]\ncount = 3\nwarmup = 1\n[rsm]\nsize = [64, 64]\n[vpls]\ncount = 64\n";
+
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new() -> Self {
+        let place = Self(tempfile::tempdir().unwrap());
+        place.write("box.toml", SMALL);
+        place
+    }
+
+    /// A place with three renders, a reference of theirs, and a table of one of them.
+    fn with_runs() -> Self {
+        let place = Self::new();
+        place.succeeds("render box.toml -q --device cpu -o coarse --set gather.interleave=4");
+        place.succeeds("render box.toml -q --device cpu -o middle --set gather.interleave=2");
+        place.succeeds("render box.toml -q --device cpu -o fine --set gather.interleave=1");
+        place.succeeds("reference box.toml -q --device cpu -o truth --spp 8 --bounces 1");
+        fs::create_dir_all(place.path("table/runs")).unwrap();
+        fs::rename(place.path("fine"), place.path("table/runs/k1")).unwrap();
+        let device = place.json("coarse/run.json")["device"].clone();
+        place.write("table/table.json", table(&device).to_string());
+        place
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        fs::create_dir_all(self.path(name).parent().unwrap()).unwrap();
+        fs::write(self.path(name), content).unwrap();
+    }
+
+    fn json(&self, name: &str) -> Value {
+        serde_json::from_slice(&fs::read(self.path(name)).unwrap()).unwrap()
+    }
+
+    fn run(&self, line: &str) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_manylight"));
+        command.current_dir(self.0.path()).args(line.split_whitespace());
+        for variable in ["MANYLIGHT_FAULT", "MANYLIGHT_GLSL"] {
+            command.env_remove(variable);
+        }
+        command.output().unwrap()
+    }
+
+    #[track_caller]
+    fn succeeds(&self, line: &str) -> String {
+        let output = self.run(line);
+        assert_eq!(output.status.code(), Some(0), "{line}: {}", text(&output.stderr));
+        text(&output.stdout)
+    }
+
+    /// Ends with this code and one line on stderr that says all of this.
+    #[track_caller]
+    fn fails(&self, line: &str, code: i32, says: &[&str]) {
+        let output = self.run(line);
+        let stderr = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{line}: {stderr}");
+        assert_eq!((text(&output.stdout).as_str(), stderr.lines().count()), ("", 1), "{line}: {stderr}");
+        for part in says {
+            assert!(stderr.contains(part), "{line}: {part:?} is not in {stderr}");
+        }
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn table(device: &Value) -> Value {
+    json!({
+        "kind": "table", "name": "interleaving", "title": "Interleaved <sampling>", "source": "a paper, table 1", "about": null,
+        "version": "0.1.0", "device": device, "timing_mode": "isolated", "scale": 1.0, "quick": false, "complete": true,
+        "published": { "hardware": "a GPU", "scene": "a box", "settings": "64 VPLs" },
+        "deviations": ["another box"],
+        "rows": ["1x1"], "columns": ["gather", "speed-up"],
+        "cells": [[
+            { "measure": "time gather", "unit": "ms", "value": 40.2, "p5": 39.0, "p95": 42.0, "n": 3, "published": 77.77,
+              "relative": 0.5, "published_relative": 0.25, "run": "k1", "reference": null, "why": null },
+            { "measure": "speed-up", "unit": "x", "value": null, "p5": null, "p95": null, "n": null, "published": 8.88,
+              "relative": null, "published_relative": null, "run": null, "reference": null, "why": "one row is no sweep" },
+        ]],
+        "runs": { "k1": { "label": "1x1", "set": { "gather.interleave": "1" } } },
+        "references": [],
+    })
+}
+
+/// A browser that can do without a screen; `$MANYLIGHT_BROWSER` comes first.
+fn browser() -> Option<PathBuf> {
+    let chosen = std::env::var_os("MANYLIGHT_BROWSER").filter(|name| !name.is_empty()).map(PathBuf::from);
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let find = |name: &str| std::env::split_paths(&path).map(|folder| folder.join(name)).find(|file| file.is_file());
+    chosen.or_else(|| ["chromium", "chromium-browser", "google-chrome"].into_iter().find_map(find))
+}
+
+/// What the browser prints; it has a minute and a profile of its own.
+fn browse(browser: &Path, place: &Place, options: &[&str], page: &Path) -> Output {
+    let profile = tempfile::tempdir().unwrap();
+    let mut command = Command::new(browser);
+    command.current_dir(place.0.path());
+    command.args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"]);
+    command.args(["--disable-component-update", "--disable-sync", "--hide-scrollbars"]);
+    command.arg(format!("--user-data-dir={}", profile.path().display())).args(options).arg(format!("file://{}", page.display()));
+    let stdout = tempfile::NamedTempFile::new_in(&place.0).unwrap();
+    let stderr = tempfile::NamedTempFile::new_in(&place.0).unwrap();
+    let mut child = command.stdout(stdout.reopen().unwrap()).stderr(stderr.reopen().unwrap()).stdin(Stdio::null()).spawn().unwrap();
+    let start = Instant::now();
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        if start.elapsed() > Duration::from_secs(60) {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            panic!("the browser takes longer than a minute: {}", fs::read_to_string(stderr.path()).unwrap_or_default());
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    };
+    Output { status, stdout: fs::read(stdout.path()).unwrap(), stderr: fs::read(stderr.path()).unwrap() }
+}
+
+#[test]
+fn a_report_shows_runs_beside_their_reference_and_a_table() {
+    let place = Place::with_runs();
+    assert_eq!(place.succeeds("report table coarse middle truth -o new/report.html"), "new/report.html\n");
+    let html = fs::read_to_string(place.path("new/report.html")).unwrap();
+    for part in [
+        "Interleaved &lt;sampling&gt;",
+        "8 samples a pixel, 1 bounce",
+        "relMSE of RGB",
+        "FLIP of RGB",
+        "Time by stage",
+        "gather.interleave",
+        "interleave = 4",
+        "one row is no sweep",
+        "another box",
+        "[cpu]",
+    ] {
+        assert!(html.contains(part), "{part:?} is not in the report");
+    }
+    // The table's run has the reference that was given beside it.
+    assert_eq!(html.matches("<div class=\"slider\">").count(), 3);
+    assert_eq!(html.matches("class=\"picture heatmap\"").count(), 3);
+    assert_eq!(html.matches("<image id=\"p").count(), 1, "the reference is there once");
+    // The device of the tests is a CPU.
+    assert!(html.contains("paper 8.88") && html.contains("paper 0.250×") && !html.contains("paper 77"));
+    // No place of this machine, no clock: again the same.
+    assert!(!html.contains(&*place.0.path().to_string_lossy()));
+    place.succeeds("report table coarse middle truth -o again.html");
+    assert!(html == fs::read_to_string(place.path("again.html")).unwrap(), "two reports of the same folders differ");
+    // Another layer has other errors.
+    place.succeeds("report coarse truth --layer indirect=indirect.bounce1 -o layer.html");
+    assert!(fs::read_to_string(place.path("layer.html")).unwrap().contains("relMSE of indirect=indirect.bounce1"));
+    place.succeeds("report coarse truth --layer Z -o depth.html");
+    let depth = fs::read_to_string(place.path("depth.html")).unwrap();
+    assert!(depth.contains("relMSE of Z") && !depth.contains("FLIP of") && depth.contains("its own largest"), "depths have no FLIP");
+    place.fails("report coarse truth --layer nothing", 2, &["truth/image.exr: has no layer nothing"]);
+    match browser() {
+        Some(browser) => in_a_browser(&place, &browser),
+        // Past the test harness, which keeps the output of passing tests to itself.
+        None => writeln!(std::io::stderr(), "SKIPPED: a report in a browser: there is no Chromium on PATH").unwrap(),
+    }
+}
+
+/// A part of [`a_report_shows_runs_beside_their_reference_and_a_table`], so that its runs are made once.
+fn in_a_browser(place: &Place, browser: &Path) {
+    let page = place.path("again.html");
+    let dom = text(&browse(browser, place, &["--dump-dom"], &page).stdout);
+    assert!(dom.contains("data-ready=\"yes\""), "the page's script has not run: {}", &dom[..dom.len().min(500)]);
+    assert!(!dom.contains("data-error="), "something is wrong on the page: {}", &dom[..dom.len().min(500)]);
+    for part in ["id=\"s1\"", "id=\"s2\"", "Error against time", "style=\"--at: 50%;\""] {
+        assert!(dom.contains(part), "{part:?} is not on the page");
+    }
+    for scheme in ["0", "1"] {
+        let picture = place.path(&format!("scheme{scheme}.png"));
+        let screenshot = format!("--screenshot={}", picture.display());
+        let settings = format!("--blink-settings=preferredColorScheme={scheme}");
+        let output = browse(browser, place, &[&screenshot, &settings, "--window-size=1200,1600"], &page);
+        assert!(picture.is_file(), "no screenshot: {}", text(&output.stderr));
+        let shown = manylight::output::read_png(&picture).unwrap();
+        let pixel = |i: usize| &shown.values[3 * i..3 * i + 3];
+        let pixels = shown.values.len() / 3;
+        let written = (0..pixels).filter(|i| pixel(*i) != pixel(0)).count();
+        assert!(written > pixels / 20, "the page is blank: {written} of {pixels} pixels");
+        assert_eq!(pixel(0)[0] > 0.5, scheme == "1", "light or dark as asked");
+        // The red wall of the box is seen: the picture is decoded.
+        let red = (0..pixels).filter(|i| pixel(*i)[0] > 3.0 * pixel(*i)[1].max(0.02) && pixel(*i)[0] > 3.0 * pixel(*i)[2].max(0.02));
+        assert!(red.count() > 500, "the pictures are not shown");
+    }
+}
+
+#[test]
+fn what_cannot_be_reported_is_said_in_one_sentence() {
+    let place = Place::new();
+    fs::create_dir(place.path("empty")).unwrap();
+    place.fails("report empty", 2, &["empty: has no run.json, table.json or flicker.json"]);
+    place.fails("report gone", 2, &["gone: cannot be read"]);
+    place.write("broken/run.json", "{\n\"version\": }");
+    place.fails("report broken", 2, &["broken/run.json: is not what a report can read", "line 2"]);
+    let device = json!({ "name": "d", "kind": "cpu", "driver": "e", "driver_version": "1" });
+    place.write("one/table.json", table(&device).to_string());
+    place.write("two/table.json", table(&device).to_string());
+    place.fails("report one two", 2, &["two: is a second table of the name interleaving"]);
+    // A table whose runs are not there is still a table.
+    place.succeeds("report one");
+    assert!(fs::read_to_string(place.path("report.html")).unwrap().contains("Folders that are not there: k1."));
+    place.write("file", "in the way");
+    place.fails("report one -o file/report.html", 6, &["file"]);
+    place.fails("report one -o empty", 6, &["empty"]);
+}
