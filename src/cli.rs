@@ -1,14 +1,18 @@
 //! The command line, parsed and nothing else.
 
 mod compare;
+mod flicker;
 mod reference;
 mod report;
 mod reproduce;
+mod sequence;
 
 pub use compare::{CompareArgs, LayerChoice};
+pub use flicker::FlickerArgs;
 pub use reference::ReferenceArgs;
 pub use report::ReportArgs;
-pub use reproduce::{ReproduceArgs, Shard, shard};
+pub use reproduce::ReproduceArgs;
+pub use sequence::{SequenceArgs, Shard};
 
 use crate::config::{TimingMode, choices};
 use crate::gpu::DeviceChoice;
@@ -43,6 +47,8 @@ pub enum Command {
     Reproduce(ReproduceArgs),
     /// Show runs beside their reference, their errors and times, and tables: one HTML file
     Report(ReportArgs),
+    /// Walk a config's camera path and say how much what stays in sight flickers
+    Flicker(FlickerArgs),
     /// Say which devices there are, what runs on them, and what is missing for the rest
     Doctor,
     /// List devices, stages, methods and presets
@@ -65,6 +71,8 @@ pub struct RenderArgs {
     /// Size of the picture in pixels, as in 960x540
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
     /// How passes are timed
     #[arg(long, value_name = "MODE", value_parser = PossibleValuesParser::new(choices::<TimingMode>()).map(String::from))]
     timing: Option<String>,
@@ -152,7 +160,7 @@ pub fn try_parse(arguments: Vec<OsString>) -> Result<Cli, clap::Error> {
 
 /// The short form: a config as the first argument means `render`. A file that is called as a command is given as ./NAME.
 fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
-    let commands = ["render", "reference", "compare", "report", "export", "doctor", "list", "help"];
+    let commands = ["render", "reference", "compare", "flicker", "reproduce", "report", "bench", "export", "doctor", "list", "help"];
     let short = arguments.get(1).is_some_and(|first| {
         let path = Path::new(first);
         let plain = !first.to_string_lossy().starts_with('-') && !commands.iter().any(|command| first == command);
@@ -273,6 +281,12 @@ mod tests {
             "reference c.toml --bounces 99",
             "reference c.toml --time 0",
             "reference c.toml --target-error nan",
+            "reference c.toml --sequence --frame 2",
+            "render c.toml --shard 1/2",
+            "render c.toml --sequence --shard 3/2",
+            "flicker",
+            "flicker c.toml --frames 0",
+            "flicker c.toml --reference-layer direct",
             "export",
             "export mitsuba",
             "export povray c.toml",
@@ -322,6 +336,20 @@ mod tests {
             reference("reference c.toml -o there --spp 16 --bounces 0 --time 1.5 --target-error 0.01 --resume --size 64x32 --frame 3");
         assert_eq!((all.spp, all.bounces, all.time, all.target_error, all.frame), (16, 0, Some(1.5), Some(0.01), Some(3)));
         assert_eq!(all.overrides(), ["frame.size=[64, 32]"]);
+    }
+
+    #[test]
+    fn flicker_takes_a_config_and_what_changes_it() {
+        let flicker = |line: &str| match arguments(line).unwrap().command {
+            Command::Flicker(flicker) => flicker,
+            other => panic!("{other:?}"),
+        };
+        let plain = flicker("flicker configs/cornell.toml");
+        assert_eq!((plain.layer.as_str(), plain.output()), ("RGB", Path::new("out/cornell/flicker").to_owned()));
+        assert!(!plain.heatmap && !plain.json && plain.reference.is_none() && plain.overrides().is_empty());
+        let all = flicker("flicker c.toml -o there --layer irradiance --set vpls.count=64 --frames 8 --size 64x32 --reference truth");
+        assert_eq!(all.overrides(), ["vpls.count=64", "frame.count=8", "frame.size=[64, 32]"]);
+        assert_eq!(all.reference, Some("truth".into()));
     }
 
     #[test]

@@ -20,3 +20,4 @@ pub mod report;
 pub mod scene;
 pub mod stages;
 pub mod tables;
+pub mod walk;

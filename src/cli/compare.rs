@@ -21,7 +21,8 @@ worst as the largest, and the mean of the others.";
 pub struct CompareArgs {
     /// An EXR or a PNG, or a folder: what `render` left, or frames
     pub test: PathBuf,
-    /// What it is held against, of the same kind; frames are matched by name
+    /// What it is held against, of the same kind; frames are matched by name, and of one that is there as EXR and PNG the EXR is
+    /// taken
     pub reference: PathBuf,
     /// A layer, or a sum as in direct+indirect; TEST=REFERENCE where the names differ; may be repeated [default: RGB, which is
     /// the colours without a name]

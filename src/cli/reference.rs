@@ -1,6 +1,6 @@
 //! The arguments of `manylight reference`.
 
-use super::{device, key_value, size};
+use super::{SequenceArgs, device, key_value, size};
 use crate::gpu::DeviceChoice;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -12,19 +12,21 @@ pub struct ReferenceArgs {
     /// Folder for the results [default: out/<name of the config>/reference]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
     /// Paths through each pixel
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=16_000_000))]
     pub spp: u32,
     /// Bounces of indirect light, each a layer of its own
     #[arg(long, value_name = "B", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=i64::from(crate::reference::MOST_BOUNCES)))]
     pub bounces: u32,
-    /// Stop after so many seconds, at the end of a sample
+    /// Stop after so many seconds, at the end of a sample; of a sequence each frame
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub time: Option<f64>,
     /// Stop when the standard error of the pixels, as a root mean square, is under this part of the mean radiance
     #[arg(long, value_name = "E", value_parser = positive)]
     pub target_error: Option<f64>,
-    /// Go on from what an earlier run left in the folder
+    /// Go on from what an earlier run left in the folder; frames of a sequence that are done are left as they are
     #[arg(long)]
     pub resume: bool,
     /// Bound the light of near surfaces by gather.min_distance, as VPLs do: not the truth, but what they converge to
@@ -34,7 +36,7 @@ pub struct ReferenceArgs {
     #[arg(long)]
     pub centers: bool,
     /// Which frame's camera and lights [default: the last frame's, as in a render]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..1_000_000))]
+    #[arg(long, value_name = "N", conflicts_with = "sequence", value_parser = clap::value_parser!(u32).range(..1_000_000))]
     pub frame: Option<u32>,
     /// Set a key of the config, as in --set frame.seed=2; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]

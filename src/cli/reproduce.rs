@@ -1,6 +1,7 @@
 //! The arguments of `manylight reproduce`.
 
-use super::{device, key_value};
+use super::sequence::shard;
+use super::{Shard, device, key_value};
 use crate::gpu::DeviceChoice;
 use crate::tables::plan::Sweep;
 use clap::Args;
@@ -60,29 +61,6 @@ impl ReproduceArgs {
     pub fn sweep(&self) -> Sweep {
         Sweep { scale: self.scale, quick: self.quick, sets: self.sets.clone() }
     }
-}
-
-/// Every `of`-th of a list, from the `index`-th on, counted from 1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shard {
-    pub index: u32,
-    pub of: u32,
-}
-
-impl Shard {
-    /// Whether the entry of that number, counted from 0, is its part.
-    pub fn has(self, number: u32) -> bool {
-        number % self.of == self.index - 1
-    }
-}
-
-pub fn shard(text: &str) -> Result<Shard, String> {
-    let read = || {
-        let (index, of) = text.split_once('/')?;
-        let (index, of) = (index.parse().ok()?, of.parse().ok()?);
-        (1 <= index && index <= of).then_some(Shard { index, of })
-    };
-    read().ok_or_else(|| "expects I/N with I from 1 to N, as in 2/8".to_owned())
 }
 
 fn scale(text: &str) -> Result<f64, String> {

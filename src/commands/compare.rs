@@ -1,5 +1,6 @@
 //! `manylight compare`: how far pictures are from their references.
 
+use super::short;
 use crate::cli::{CompareArgs, LayerChoice};
 use crate::fail;
 use crate::metrics::{self, Comparison, Image, ImageFile, Measures, heatmap};
@@ -101,7 +102,7 @@ fn frames(test: &Path, reference: &Path) -> Result<Vec<Frame>> {
     Ok(names.iter().map(|name| Frame::of(test.join(name), reference.join(name))).collect())
 }
 
-/// The names of a folder's images in their order.
+/// The names of a folder's images in their order. A PNG beside an EXR of its name shows the same frame, and is left out.
 fn image_names(folder: &Path) -> Result<BTreeSet<PathBuf>> {
     let cannot = |error: std::io::Error| fail!(BadInput, "{}: cannot be read ({error})", folder.display());
     let mut names = BTreeSet::new();
@@ -110,6 +111,8 @@ fn image_names(folder: &Path) -> Result<BTreeSet<PathBuf>> {
         let is_image = path.extension().is_some_and(|ending| ["exr", "png"].iter().any(|known| ending.eq_ignore_ascii_case(known)));
         names.extend(path.file_name().filter(|_| is_image).map(PathBuf::from));
     }
+    let all = names.clone();
+    names.retain(|name| name.extension().is_some_and(|ending| ending == "exr") || !all.contains(&name.with_extension("exr")));
     Ok(names)
 }
 
@@ -149,16 +152,6 @@ impl Line<'_> {
 fn summary<'f>(layer: &str, results: &[Line]) -> Option<Line<'f>> {
     let measures: Vec<Measures> = results.iter().filter(|result| result.layer == layer).map(|result| result.measures.clone()).collect();
     Some(Line { frame: "all", layer: layer.to_owned(), measures: Measures::over_frames(&measures)? })
-}
-
-/// Four digits, and no 0 for what is merely small.
-fn short(figure: f64) -> String {
-    match figure {
-        0.0 => "0".to_owned(),
-        small if small.abs() < 1e-3 => format!("{small:.3e}"),
-        large if large.abs() >= 1e5 => format!("{large:.3e}"),
-        figure => format!("{figure:.4}"),
-    }
 }
 
 /// A figure that is over its threshold.

@@ -3,6 +3,7 @@
 pub mod compare;
 pub mod doctor;
 pub mod export;
+pub mod flicker;
 pub mod list;
 mod measure;
 mod progress;
@@ -14,6 +15,7 @@ mod truth;
 
 use crate::cli::{Cli, Command};
 use crate::config::{self, Config};
+use crate::fail;
 use crate::gpu::{DeviceChoice, Gpu, Options};
 use crate::graph::Timing;
 use crate::presets;
@@ -32,6 +34,7 @@ pub fn run(cli: &Cli) -> Result<()> {
         Command::Compare(args) => compare::run(args),
         Command::Reproduce(args) => reproduce::run(args),
         Command::Report(args) => report::run(args),
+        Command::Flicker(args) => flicker::run(args),
         Command::Doctor => doctor::run(),
         Command::List => list::run(),
     }
@@ -74,5 +77,20 @@ fn provenance(path: &Path, config: &Config, renderer: &Renderer) -> Provenance {
         timing_mode: mode.to_owned(),
         width: config.frame.size[0],
         height: config.frame.size[1],
+    }
+}
+
+/// A sequence may be cut into more parts than it has frames.
+fn no_frames(config: &Config) -> anyhow::Error {
+    fail!(BadInput, "--shard: frame.count is {}, and none of these frames is in this part; take fewer parts", config.frame.count)
+}
+
+/// Four digits, and no 0 for what is merely small.
+fn short(figure: f64) -> String {
+    match figure {
+        0.0 => "0".to_owned(),
+        small if small.abs() < 1e-3 => format!("{small:.3e}"),
+        large if large.abs() >= 1e5 => format!("{large:.3e}"),
+        figure => format!("{figure:.4}"),
     }
 }

@@ -21,6 +21,11 @@ impl Progress {
         self.0.suspend(|| eprintln!("manylight: warning: {what}"));
     }
 
+    /// A line on stdout, which the progress does not write into.
+    pub fn print(&self, line: &str) {
+        self.0.suspend(|| println!("{line}"));
+    }
+
     pub fn frame(&self, frame: u32, count: u32) {
         if frame == 0
             && let Ok(style) = ProgressStyle::with_template("{spinner} frame {pos}/{len} [{bar:40}] {eta}")

@@ -1,13 +1,13 @@
 //! `manylight render CONFIG`: pictures, layers, times, and a record of how they came about.
 
 use super::progress::Progress;
-use super::{load_config, open, provenance};
+use super::{load_config, no_frames, open, provenance};
 use crate::cli::RenderArgs;
 use crate::config::Layer as LayerName;
 use crate::fail;
 use crate::graph::{Dump, DumpData, Execution};
 use crate::output::exr::Precision;
-use crate::output::{Layer, RunReport, prepare_folder, write_exr, write_file, write_png};
+use crate::output::{FRAMES, Layer, RunReport, frame_file, prepare_folder, write_exr, write_file, write_png};
 use crate::renderer::{Picture, Plane, Renderer, needs_rays, timing};
 use crate::report::{PassTime, Timings, peak_memory_bytes, timing_table, timings_csv};
 use anyhow::{Context, Result};
@@ -19,7 +19,13 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let started = Instant::now();
     let config = load_config(&args.config, &args.overrides())?;
     let folder = args.output();
+    let frames: Vec<u32> = args.sequence.frames(config.frame.count).collect();
+    let Some(last_frame) = frames.last().copied() else { return Err(no_frames(&config)) };
     prepare_folder(&folder)?;
+    let frames_folder = folder.join(FRAMES);
+    if args.sequence.sequence {
+        prepare_folder(&frames_folder)?;
+    }
     let progress = Progress::new(args.quiet);
 
     progress.say("loading the scene");
@@ -40,26 +46,38 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     }
     let mut times = Vec::new();
     let mut last = None;
-    for frame in 0..config.frame.count {
-        progress.frame(frame, config.frame.count);
-        let is_last = frame + 1 == config.frame.count;
+    let from = provenance(&args.config, &config, &renderer);
+    let write = |exr: &Path, png: &Path, picture: &Picture| -> Result<()> {
+        let [width, height] = picture.size;
+        let metadata = [("version", from.version.clone()), ("preset", from.preset.clone()), ("device", from.device.name.clone())];
+        write_png(png, width, height, &picture.image)?;
+        write_exr(exr, width, height, layers(picture, &config.output.layers), &metadata)
+    };
+    for (done, frame) in frames.iter().copied().enumerate() {
+        progress.frame(done as u32, frames.len() as u32);
+        let is_last = frame == last_frame;
         if is_last {
             execution.dump = args.dump.clone();
             execution.check_nan = args.check_nan;
         }
-        let rendered = renderer.render(&config, frame, is_last, &execution)?;
+        let rendered = renderer.render(&config, frame, is_last || args.sequence.sequence, &execution)?;
         times.extend(rendered.times.iter().map(|(pass, ms)| PassTime { frame, pass: (*pass).to_owned(), ms: *ms }));
+        if let Some(picture) = rendered.picture.as_ref().filter(|_| args.sequence.sequence) {
+            write(&frame_file(&frames_folder, frame, "exr"), &frame_file(&frames_folder, frame, "png"), picture)?;
+        }
         last = is_last.then_some(rendered);
     }
-    let Some(rendered) = last else { unreachable!("a config renders at least one frame") };
+    let Some(rendered) = last else { unreachable!("there is a frame") };
     let Some(picture) = &rendered.picture else { unreachable!("the last frame is brought back") };
 
     progress.say("writing");
-    let from = provenance(&args.config, &config, &renderer);
-    write_png(&folder.join("image.png"), picture.size[0], picture.size[1], &picture.image)?;
-    let metadata = [("version", from.version.clone()), ("preset", from.preset.clone()), ("device", from.device.name.clone())];
-    write_exr(&folder.join("image.exr"), picture.size[0], picture.size[1], layers(picture, &config.output.layers), &metadata)?;
-    write_file(&folder.join("timings.csv"), &timings_csv(&times, &from)?)?;
+    let image = folder.join("image.png");
+    // Of a sequence in parts, the part with the last frame leaves it as a whole sequence does.
+    let leaves_image = last_frame + 1 == config.frame.count;
+    if leaves_image {
+        write(&folder.join("image.exr"), &image, picture)?;
+    }
+    write_file(&folder.join(args.sequence.file_name("timings", "csv")), &timings_csv(&times, &from)?)?;
     let dumped = rendered.dumps.iter().map(|dump| write_dump(&folder, dump)).collect::<Result<Vec<String>>>()?;
     let mut checks = std::collections::BTreeMap::new();
     if args.check_nan {
@@ -79,7 +97,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let report = RunReport {
         from: from.clone(),
         seed: u64::from(config.frame.seed),
-        frames: config.frame.count,
+        frames: frames.len() as u32,
         warmup: config.frame.warmup,
         timings: Timings::of(&times),
         counts: counts.into(),
@@ -88,13 +106,13 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         peak_memory_bytes: peak_memory_bytes(),
         config: serde_json::to_value(&config).context("the config cannot be written as JSON")?,
     };
-    report.write(&folder.join("run.json"))?;
+    report.write(&folder.join(args.sequence.file_name("run", "json")))?;
     progress.end();
 
     if !args.quiet {
         print!("{}", timing_table(&times, &from, false));
     }
-    println!("{}", folder.join("image.png").display());
+    println!("{}", if leaves_image { image.display() } else { frames_folder.display() });
     dumped.iter().for_each(|path| println!("{path}"));
     if let Some((pass, image, count)) = rendered.non_finite.first() {
         return Err(fail!(ComparisonFailed, "pass {pass}: {count} texels of {image} are not finite numbers"));

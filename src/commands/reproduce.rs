@@ -6,13 +6,14 @@ use super::{measure, open};
 use crate::cli::{ReproduceArgs, Shard};
 use crate::config::{Config, SceneConfig};
 use crate::fail;
-use crate::metrics;
+use crate::graph::Execution;
 use crate::output::{prepare_folder, write_file};
 use crate::presets;
 use crate::reference::scene_digest;
 use crate::renderer::{Renderer, needs_rays};
 use crate::tables::cells::{self, WALKS, is_done, reference_folder, run_folder};
 use crate::tables::{Plan, Run, Table, print, read};
+use crate::walk::flicker_of_walk;
 use anyhow::{Context, Result};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -122,8 +123,12 @@ impl Session<'_> {
         let measured = measure::frames(&mut open.renderer, config, progress)?;
         if !run.walks.is_empty() {
             let mut walks = BTreeMap::new();
-            for layer in &run.walks {
-                walks.insert(layer.clone(), metrics::flicker_of_walk(&mut open.renderer, config, layer)?);
+            for (name, layer) in &run.walks {
+                let walk = flicker_of_walk(&mut open.renderer, config, *layer, None, &Execution::default(), &mut |_| {
+                    progress.tick();
+                    Ok(())
+                })?;
+                walks.insert(*name, walk.flicker.flicker);
             }
             prepare_folder(&own)?;
             write_file(&own.join(WALKS), &serde_json::to_vec_pretty(&walks)?)?;

@@ -3,7 +3,6 @@
 use super::progress::Progress;
 use super::reference;
 use crate::config::Config;
-use crate::output::file::not_written;
 use crate::output::prepare_folder;
 use crate::reference::{Settings, identity};
 use crate::renderer::Renderer;
@@ -58,7 +57,7 @@ const LAST: &str = "run.json";
 pub fn copy_folder(from: &Path, to: &Path) -> Result<()> {
     prepare_folder(to)?;
     let cannot = |error: std::io::Error| crate::fail!(BadInput, "{}: cannot be read ({error})", from.display());
-    let mut names = std::fs::read_dir(from).map_err(cannot)?.map(|entry| Ok(entry?.file_name())).collect::<std::io::Result<Vec<_>>>().map_err(cannot)?;
+    let mut names = std::fs::read_dir(from).map_err(cannot)?.filter(|entry| entry.as_ref().is_ok_and(|entry| entry.path().is_file())).map(|entry| Ok(entry?.file_name())).collect::<std::io::Result<Vec<_>>>().map_err(cannot)?;
     names.sort_by_key(|name| name == LAST);
     for name in names {
         let bytes = std::fs::read(from.join(&name)).map_err(cannot)?;

@@ -1,5 +1,6 @@
 //! An image whose numbers can be compared.
 
+use crate::color::luminance;
 use crate::fail;
 use anyhow::Result;
 use rayon::prelude::*;
@@ -62,6 +63,12 @@ impl Image {
 
     pub fn values(&self) -> &[f32] {
         &self.values
+    }
+
+    /// Luminance of each pixel of an image of colours.
+    pub fn luminances(&self) -> Vec<f32> {
+        assert_eq!(self.channels, 3, "colours have a luminance");
+        self.values.par_chunks_exact(3).map(|color| luminance(color) as f32).collect()
     }
 
     pub(super) fn rows(&self) -> impl IndexedParallelIterator<Item = &[f32]> {

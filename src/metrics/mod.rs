@@ -4,6 +4,7 @@
 //! last bit, on however many cores.
 
 mod file;
+pub mod flicker;
 mod flip;
 mod heatmap;
 mod image;
@@ -70,16 +71,7 @@ pub struct Comparison {
 /// # Errors
 /// `BadInput` where the images' sizes or kinds differ.
 pub fn compare(test: &Image, reference: &Image) -> Result<Comparison> {
-    if test.size() != reference.size() {
-        let ([width, height], [reference_width, reference_height]) = (test.size(), reference.size());
-        return Err(fail!(
-            BadInput,
-            "the sizes differ: {width} x {height} pixels in the test, {reference_width} x {reference_height} in the reference"
-        ));
-    }
-    if (test.content(), test.channels()) != (reference.content(), reference.channels()) {
-        return Err(fail!(BadInput, "the test holds {}, the reference {}", test.describe(), reference.describe()));
-    }
+    check_alike(test, reference)?;
     let sums = sums(test, reference);
     let count = test.values().len() as f64;
     let pixels = count / test.channels() as f64;
@@ -105,6 +97,29 @@ pub fn compare(test: &Image, reference: &Image) -> Result<Comparison> {
         exposures,
     };
     Ok(Comparison { measures, map })
+}
+
+/// [`Measures::rmse`] alone.
+///
+/// # Errors
+/// As [`compare`].
+pub fn rmse(test: &Image, reference: &Image) -> Result<f64> {
+    check_alike(test, reference)?;
+    Ok((sums(test, reference).squares / test.values().len() as f64).sqrt())
+}
+
+fn check_alike(test: &Image, reference: &Image) -> Result<()> {
+    if test.size() != reference.size() {
+        let ([width, height], [reference_width, reference_height]) = (test.size(), reference.size());
+        return Err(fail!(
+            BadInput,
+            "the sizes differ: {width} x {height} pixels in the test, {reference_width} x {reference_height} in the reference"
+        ));
+    }
+    if (test.content(), test.channels()) != (reference.content(), reference.channels()) {
+        return Err(fail!(BadInput, "the test holds {}, the reference {}", test.describe(), reference.describe()));
+    }
+    Ok(())
 }
 
 impl Measures {

@@ -11,3 +11,13 @@ pub use self::exr::{Exr, Layer, Samples, read_exr, write_exr};
 pub use self::file::{prepare_folder, write_file};
 pub use self::png::{Png, png_bytes, read_png, write_png};
 pub use self::run::RunReport;
+
+use std::path::{Path, PathBuf};
+
+/// The folder of a sequence's frames in that of a run.
+pub const FRAMES: &str = "frames";
+
+/// What a frame's file is called in the folder of its sequence: `0007.exr`.
+pub fn frame_file(folder: &Path, frame: u32, ending: &str) -> PathBuf {
+    folder.join(format!("{frame:04}.{ending}"))
+}

@@ -3,11 +3,13 @@
 //! A figure never travels without its [`Provenance`].
 
 mod csv;
+mod flicker;
 pub mod html;
 mod statistics;
 mod table;
 
 pub use self::csv::timings_csv;
+pub use self::flicker::{FlickerLine, flicker_csv};
 pub use self::statistics::{Row, Statistics, Timings};
 pub use self::table::timing_table;
 

@@ -2,7 +2,7 @@
 
 use super::{Aabb, Camera, Light, SpotFalloff};
 use crate::shader_struct;
-use glam::{Mat4, Vec2, Vec3, Vec4};
+use glam::{DVec2, DVec3, Mat4, Vec2, Vec3, Vec4};
 
 shader_struct! {
     /// A camera for one picture size.
@@ -82,6 +82,23 @@ impl View {
         let ndc = (Vec2::new(x as f32, y as f32) + 0.5) / Vec2::new(self.width as f32, self.height as f32) * 2.0 - 1.0;
         let ray = Vec3::from(self.forward) + ndc.x * Vec3::from(self.right) - ndc.y * Vec3::from(self.up);
         Vec3::from(self.position) + ray * (self.near / depth)
+    }
+
+    /// Where the picture shows a world position: pixels from its upper left corner, a pixel's centre at a half, and the distance
+    /// along the view's axis, metres. `None` where it is not ahead; what is beside the picture has a place there too.
+    pub fn pixel_of(&self, position: Vec3) -> Option<(DVec2, f64)> {
+        let vector = |v: [f32; 3]| Vec3::from(v).as_dvec3();
+        let away: DVec3 = position.as_dvec3() - vector(self.position);
+        let distance = away.dot(vector(self.forward));
+        let [right, up] = [self.right, self.up].map(vector);
+        let ndc = DVec2::new(away.dot(right) / right.length_squared(), -away.dot(up) / up.length_squared()) / distance;
+        let size = DVec2::new(self.width.into(), self.height.into());
+        (distance > f64::from(self.near) * 0.5).then(|| ((ndc * 0.5 + 0.5) * size, distance))
+    }
+
+    /// Width and height of what a pixel covers at a distance of 1 m along the view's axis, on a plane that faces the view.
+    pub fn pixel_size(&self) -> f64 {
+        2.0 * f64::from(Vec3::from(self.up).length()) / f64::from(self.height)
     }
 }
 
@@ -265,7 +282,13 @@ mod tests {
             let pixel = (Vec2::new(ndc.x, ndc.y) * 0.5 + 0.5) * Vec2::new(64.0, 48.0) - 0.5;
             assert!(pixel.distance(Vec2::new(x as f32, y as f32)) < 1e-3, "{pixel}");
             assert!((view.near / ndc.z / distance - 1.0).abs() < 1e-4);
+            let (pixel, ahead) = view.pixel_of(p).unwrap();
+            assert!(pixel.distance(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)) < 1e-3, "{pixel}");
+            assert!((ahead / f64::from(distance) - 1.0).abs() < 1e-5);
+            let beside = view.position_at(x + 1, y, view.near / distance);
+            assert!((f64::from(p.distance(beside)) / (view.pixel_size() * ahead) - 1.0).abs() < 1e-3);
         }
+        assert_eq!(view.pixel_of(Vec3::new(2.0, 4.0, 6.0)), None, "behind the camera");
     }
 
     #[test]

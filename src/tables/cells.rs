@@ -237,7 +237,7 @@ impl Source<'_> {
             What::Memory { of } => memory(&record["memory"], of).ok_or_else(|| format!("the frame has no {of}")),
             What::Flicker { layer } => {
                 let walks = read_json(&own.join(WALKS))?;
-                walks[layer].as_f64().ok_or_else(|| format!("the flicker of {layer} was not measured"))
+                walks[layer.name()].as_f64().ok_or_else(|| format!("the flicker of {} was not measured", layer.name()))
             }
             What::Error { figure, layer, against } => {
                 let other = match against {

@@ -13,6 +13,7 @@ pub use cells::{Cell, Results};
 pub use plan::{Plan, Run};
 
 use crate::config::tree::{Node, Origin};
+use crate::walk::Intensity;
 
 /// A table as its file says it. Every row has as many cells as there are columns.
 pub struct Table {
@@ -79,7 +80,7 @@ impl Default for ReferenceGoal {
 }
 
 /// What a cell says.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Measure {
     pub what: What,
     origin: Origin,
@@ -94,7 +95,7 @@ pub enum What {
     /// How far a layer is from the truth or from another cell's.
     Error { figure: Figure, layer: LayerPair, against: Against },
     /// How much a layer flickers over the config's frames: the temporal image difference.
-    Flicker { layer: String },
+    Flicker { layer: Intensity },
     /// What a pass counted in the last frame.
     Count { of: String },
     /// Bytes of the frame's own resources: of a stage, of a resource, or of all (`frame`).
@@ -168,7 +169,7 @@ impl What {
             Self::Time { of } => format!("time of {of}"),
             Self::Ratio { .. } => "ratio".to_owned(),
             Self::Error { figure, layer, .. } => format!("{} of {}", figure.name(), layer.label()),
-            Self::Flicker { layer } => format!("flicker of {layer}"),
+            Self::Flicker { layer } => format!("flicker of {}", layer.name()),
             Self::Count { of } => format!("count {of}"),
             Self::Memory { of } => format!("memory of {of}"),
         }

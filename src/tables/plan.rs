@@ -2,6 +2,7 @@
 
 use super::{Against, Table, What};
 use crate::config::{Config, to_toml};
+use crate::walk::Intensity;
 use anyhow::{Context, Result};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -38,7 +39,7 @@ pub struct Run {
     /// The keys that differ from run to run, as TOML.
     pub set: BTreeMap<String, String>,
     /// Layers whose flicker over all frames is wanted.
-    pub walks: BTreeSet<String>,
+    pub walks: BTreeMap<&'static str, Intensity>,
     /// Whether something is measured against the truth.
     pub needs_reference: bool,
 }
@@ -88,7 +89,7 @@ impl Plan {
                 let names = [(&of_row.set, &of_row.name), (&of_column.set, &of_column.name)];
                 let parts: Vec<&str> = names.iter().filter(|(set, _)| set.is_some()).map(|(_, name)| name.as_str()).collect();
                 let label = if parts.is_empty() { table.name.clone() } else { parts.join(", ") };
-                all.push(Run { key, label, config, set: BTreeMap::new(), walks: BTreeSet::new(), needs_reference: false });
+                all.push(Run { key, label, config, set: BTreeMap::new(), walks: BTreeMap::new(), needs_reference: false });
                 all.len() - 1
             });
         }
@@ -97,7 +98,7 @@ impl Plan {
             let of = of_cell[row][column];
             match &table.measure(row, column).what {
                 What::Ratio { .. } => continue,
-                What::Flicker { layer } => _ = all[of].walks.insert(layer.clone()),
+                What::Flicker { layer } => _ = all[of].walks.insert(layer.name(), *layer),
                 What::Error { against: Against::Reference, .. } => all[of].needs_reference = true,
                 What::Error { against: Against::Cell(place), .. } => {
                     let (row, column) = place.from(row, column);

@@ -5,6 +5,7 @@ use crate::config::check::error;
 use crate::config::tree::{Node, Origin, Table as Tree, Value, join, quoted};
 use crate::config::{Base, document, nearest};
 use crate::presets;
+use crate::walk::Intensity;
 use anyhow::Result;
 use std::path::Path;
 
@@ -164,7 +165,10 @@ fn measure(node: &Node, path: &str, names: &Names) -> Result<Measure> {
         ["time"] => What::Time { of: only_text(node, path, "time")? },
         ["count"] => What::Count { of: only_text(node, path, "count")? },
         ["memory"] => What::Memory { of: only_text(node, path, "memory")? },
-        ["flicker"] => What::Flicker { layer: only_text(node, path, "flicker")? },
+        ["flicker"] => {
+            let name = only_text(node, path, "flicker")?;
+            What::Flicker { layer: Intensity::parse(&name).map_err(|cause| error(&node.origin, path, cause))? }
+        }
         ["ratio"] => {
             section(node, path, &["ratio"])?;
             let path = join(path, "ratio");
