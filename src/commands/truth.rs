@@ -1,11 +1,15 @@
 //! The truth of a table's run: traced once to its goal, and kept in the user's cache for the next table that asks for it.
 
 use super::progress::Progress;
-use super::reference;
+use super::provenance;
+use super::reference::frame::{Files, Goal};
+use super::reference::{self, truth_identity};
 use crate::config::Config;
-use crate::output::prepare_folder;
-use crate::reference::{Settings, identity};
-use crate::renderer::Renderer;
+use crate::graph::Execution;
+use crate::output::{prepare_folder, write_file};
+use crate::reference::{Settings, load_sums};
+use crate::renderer::{Renderer, timing};
+use crate::report::timings_csv;
 use crate::tables::ReferenceGoal;
 use crate::tables::cells::reference_cache;
 use anyhow::Result;
@@ -31,16 +35,25 @@ impl Truth<'_> {
             min_distance: if self.goal.min_distance { self.config.gather.min_distance } else { 0.0 },
             centered: self.goal.centers,
         };
-        let shader = renderer.engine().shader_key("reference/path.comp")?.to_hex();
-        let identity = format!("{}-{shader}", identity(self.config, settings, self.digest));
+        let identity = truth_identity(renderer, self.config, settings, self.digest)?;
         // What is enough is part of the key: a truth that another table refined would give other figures than the first time.
         let key = blake3::hash(format!("{identity} {} {}", self.goal.error, self.goal.samples).as_bytes()).to_hex();
         let kept = reference_cache().map(|cache| cache.join(&key.as_str()[..32]));
         if let Some(kept) = kept.as_ref().filter(|kept| kept.join(LAST).is_file()) {
             return copy_folder(kept, folder);
         }
-        let goal = reference::Goal { spp: self.goal.samples, target_error: Some(self.goal.error), time: None };
-        reference::trace(renderer, self.config, settings, &identity, &goal, table, folder, progress)?;
+        prepare_folder(folder)?;
+        let goal = Goal { spp: self.goal.samples, target_error: Some(self.goal.error), time: None };
+        let execution = Execution { timing: timing(self.config, &renderer.gpu().adapter), ..Execution::default() };
+        let from = provenance(Path::new(table), self.config, renderer);
+        let run = reference::frame::Run { goal, is_sequence: false, config: self.config, execution: &execution, progress, from };
+        let files = Files { sums: folder.join(SUMS), exr: folder.join("image.exr"), png: folder.join("image.png") };
+        let before = load_sums(&files.sums, &identity, self.config.frame.size, settings.bounces).ok();
+        let traced = run.trace(renderer, settings, &identity, before.as_ref(), &files)?;
+        write_file(&folder.join("timings.csv"), &timings_csv(&traced.times, &run.from)?)?;
+        run.record(renderer, settings, &traced)?.write(&folder.join(LAST))?;
+        // They are for going on alone, and larger than all the rest.
+        let _ = std::fs::remove_file(&files.sums);
         if let Some(kept) = kept
             && let Err(error) = copy_folder(folder, &kept)
         {
@@ -52,12 +65,18 @@ impl Truth<'_> {
 
 /// Written last: where it is, all is.
 const LAST: &str = "run.json";
+const SUMS: &str = "sums.exr";
 
 /// Copies the files of a folder, each whole or not at all, its record last.
 pub fn copy_folder(from: &Path, to: &Path) -> Result<()> {
     prepare_folder(to)?;
     let cannot = |error: std::io::Error| crate::fail!(BadInput, "{}: cannot be read ({error})", from.display());
-    let mut names = std::fs::read_dir(from).map_err(cannot)?.filter(|entry| entry.as_ref().is_ok_and(|entry| entry.path().is_file())).map(|entry| Ok(entry?.file_name())).collect::<std::io::Result<Vec<_>>>().map_err(cannot)?;
+    let mut names = std::fs::read_dir(from)
+        .map_err(cannot)?
+        .filter(|entry| entry.as_ref().is_ok_and(|entry| entry.path().is_file()))
+        .map(|entry| Ok(entry?.file_name()))
+        .collect::<std::io::Result<Vec<_>>>()
+        .map_err(cannot)?;
     names.sort_by_key(|name| name == LAST);
     for name in names {
         let bytes = std::fs::read(from.join(&name)).map_err(cannot)?;

@@ -13,8 +13,8 @@ pub(crate) mod tree;
 
 pub use check::nearest;
 pub use keys::{KeyInfo, Kind, Range, choices, keys, markdown_table};
-pub use load::{load, parse, to_toml};
 pub(crate) use load::{Base, document, read_text};
+pub use load::{load, parse, to_toml};
 pub use scene::{Builtin, CameraConfig, CameraKeyframe, Interpolation, LightConfig, LightKeyframe, SceneConfig, SceneSelector};
 pub use stages::{
     BoxConfig, ComposeConfig, Dielectric, DirectConfig, FilterConfig, FilterKind, FrameConfig, GatherConfig, GatherMethod, Layer,

@@ -5,9 +5,11 @@
 //! what the first surface reflects of what shines by itself; bounce k is what it reflects after k more surfaces.
 
 mod files;
+mod identity;
 mod sums;
 
 pub use files::{develop, load_sums, save_sums};
+pub use identity::{identity, scene_digest};
 pub use sums::{Layer, Sums};
 
 use crate::color::luminance;

@@ -110,9 +110,10 @@ pub fn results(table: &Table, plan: &Plan, folder: &Path) -> Result<Results> {
             cells[row][column].published_relative = over(published(row, column), published(of_row, of_column));
         }
     }
-    let published = table.published.as_ref().map_or(Value::Null, |published| {
-        json!({ "hardware": published.hardware, "scene": published.scene, "settings": published.settings })
-    });
+    let published = table.published.as_ref().map_or(
+        Value::Null,
+        |published| json!({ "hardware": published.hardware, "scene": published.scene, "settings": published.settings }),
+    );
     let references = plan.runs.iter().filter(|run| run.needs_reference).map(|run| run.reference_key(table));
     let references: std::collections::BTreeSet<String> = references.filter(|key| reference_folder(folder, key).is_dir()).collect();
     let run = |run: &Run| {
@@ -164,7 +165,9 @@ fn origin(folder: &Path, records: &BTreeMap<&str, Value>) -> Result<Option<(Devi
         let device = Device { name: text("name")?, kind: text("kind")?, driver: text("driver")?, driver_version: text("driver_version")? };
         Some((device, mode.as_str()?.to_owned()))
     };
-    read().map(Some).ok_or_else(|| fail!(BadInput, "{}: run {key} has a {RECORD} that does not say on which device it ran; remove it", folder.display()))
+    read().map(Some).ok_or_else(|| {
+        fail!(BadInput, "{}: run {key} has a {RECORD} that does not say on which device it ran; remove it", folder.display())
+    })
 }
 
 fn read_json(path: &Path) -> Result<Value> {

@@ -15,6 +15,9 @@ pub use plan::{Plan, Run};
 use crate::config::tree::{Node, Origin};
 use crate::walk::Intensity;
 
+#[cfg(test)]
+mod tests;
+
 /// A table as its file says it. Every row has as many cells as there are columns.
 pub struct Table {
     /// Of the file, without its ending.

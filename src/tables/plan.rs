@@ -50,7 +50,8 @@ impl Run {
         let mut config = Config { camera: self.config.camera.clone(), light: self.config.light.clone(), ..Config::default() };
         config.scene = self.config.scene.clone();
         config.materials = self.config.materials.clone();
-        (config.frame.size, config.frame.count, config.frame.fps) = (self.config.frame.size, self.config.frame.count, self.config.frame.fps);
+        (config.frame.size, config.frame.count, config.frame.fps) =
+            (self.config.frame.size, self.config.frame.count, self.config.frame.fps);
         config.frame.seed = self.config.frame.seed;
         let goal = table.reference;
         // The bound is the one thing of the pipeline that a bounded truth depends on.

@@ -47,14 +47,37 @@ pub fn markdown(results: &Results) -> String {
 /// One line a cell, figures in full.
 pub fn csv(results: &Results) -> Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let put = |writer: &mut csv::Writer<Vec<u8>>, record: Vec<String>| writer.write_record(record).context("table.csv cannot be put together");
+    let put =
+        |writer: &mut csv::Writer<Vec<u8>>, record: Vec<String>| writer.write_record(record).context("table.csv cannot be put together");
     let head = [
-        "table", "row", "column", "measure", "unit", "value", "p5", "p95", "n", "published", "relative", "published_relative", "run",
-        "reference", "why", "scale", "quick", "mode", "device", "driver", "version",
+        "table",
+        "row",
+        "column",
+        "measure",
+        "unit",
+        "value",
+        "p5",
+        "p95",
+        "n",
+        "published",
+        "relative",
+        "published_relative",
+        "run",
+        "reference",
+        "why",
+        "scale",
+        "quick",
+        "mode",
+        "device",
+        "driver",
+        "version",
     ];
     put(&mut writer, head.map(str::to_owned).to_vec())?;
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
-    let (device, driver) = results.device.as_ref().map_or_else(Default::default, |device| (format!("{} [{}]", device.name, device.kind), device.driver_label()));
+    let (device, driver) = results
+        .device
+        .as_ref()
+        .map_or_else(Default::default, |device| (format!("{} [{}]", device.name, device.kind), device.driver_label()));
     for (row, cells) in results.rows.iter().zip(&results.cells) {
         for (column, cell) in results.columns.iter().zip(cells) {
             let own = [results.name.clone(), row.clone(), column.clone(), cell.measure.clone(), cell.unit.to_owned()];
@@ -164,7 +187,11 @@ fn notes(results: &Results) -> Vec<String> {
     }
     let missing: Vec<&str> = results.cells.iter().flatten().filter_map(|cell| cell.why.as_deref()).collect();
     if let Some(first) = missing.first() {
-        notes.push(format!("{} of {} cells are empty, the first because it {first}", missing.len(), results.cells.iter().flatten().count()));
+        notes.push(format!(
+            "{} of {} cells are empty, the first because it {first}",
+            missing.len(),
+            results.cells.iter().flatten().count()
+        ));
     }
     notes.extend(results.deviations.iter().map(|deviation| format!("note: {deviation}")));
     notes

@@ -17,13 +17,13 @@ use std::path::Path;
 pub fn table(text: &str, path: &Path) -> Result<Table> {
     let root = document(text, path)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let keys = [
-        "title", "source", "about", "base", "set", "measure", "relative_to", "reference", "published", "deviations", "row", "column",
-    ];
+    let keys =
+        ["title", "source", "about", "base", "set", "measure", "relative_to", "reference", "published", "deviations", "row", "column"];
     let tree = section(&root, "", &keys)?;
     let rows = lines(tree, "row", &root.origin)?;
     let columns = lines(tree, "column", &root.origin)?;
-    let names = Names { rows: rows.iter().map(|l| l.0.name.clone()).collect(), columns: columns.iter().map(|l| l.0.name.clone()).collect() };
+    let names =
+        Names { rows: rows.iter().map(|l| l.0.name.clone()).collect(), columns: columns.iter().map(|l| l.0.name.clone()).collect() };
     let finish = |lines: Vec<(Line, Option<&Node>)>, path: &str| -> Result<Vec<Line>> {
         let with_measure = |(i, (line, measure)): (usize, (Line, Option<&Node>))| {
             let measure = measure.map(|node| self::measure(node, &format!("{path}.{i}.measure"), &names)).transpose()?;
@@ -69,7 +69,8 @@ fn section<'n>(node: &'n Node, path: &str, known: &[&str]) -> Result<&'n Tree> {
     };
     for (key, node) in tree {
         if !known.contains(&key.as_str()) {
-            let hint = nearest(key, known).map_or_else(|| format!("known here are {}", known.join(", ")), |near| format!("did you mean \"{near}\"?"));
+            let hint = nearest(key, known)
+                .map_or_else(|| format!("known here are {}", known.join(", ")), |near| format!("did you mean \"{near}\"?"));
             return Err(error(&node.origin, &join(path, key), format_args!("unknown key; {hint}")));
         }
     }
@@ -101,7 +102,9 @@ fn texts(node: &Node, path: &str) -> Result<Vec<String>> {
 /// A part of a config; whether its keys are right is seen when it is laid over the base.
 fn partial(node: &Node, path: &str) -> Result<Node> {
     match &node.value {
-        Value::Table(tree) if tree.contains_key("base") => Err(error(&tree["base"].origin, path, "cannot set base; the table has one for all cells")),
+        Value::Table(tree) if tree.contains_key("base") => {
+            Err(error(&tree["base"].origin, path, "cannot set base; the table has one for all cells"))
+        }
         Value::Table(_) => Ok(node.clone()),
         _ => Err(error(&node.origin, path, format_args!("expects a table of config keys, found {}", node.found()))),
     }
@@ -119,7 +122,8 @@ fn base(tree: &Tree, origin: &Origin, path: &Path) -> Result<Base> {
         _ if file.is_file() => Base::load(&file),
         _ => {
             let names: Vec<&str> = presets::all().iter().map(|(name, _)| *name).collect();
-            let hint = nearest(name, &names).map_or_else(|| format!("presets are {}", names.join(", ")), |near| format!("did you mean \"{near}\"?"));
+            let hint = nearest(name, &names)
+                .map_or_else(|| format!("presets are {}", names.join(", ")), |near| format!("did you mean \"{near}\"?"));
             return Err(error(&node.origin, "base", format_args!("{} is neither a preset nor a file; {hint}", quoted(name))));
         }
     };
@@ -143,7 +147,9 @@ fn lines<'n>(tree: &'n Tree, key: &str, root: &Origin) -> Result<Vec<(Line, Opti
         let own = match tree.get("own") {
             None => false,
             Some(Node { value: Value::Bool(own), .. }) => *own,
-            Some(node) => return Err(error(&node.origin, &join(&path, "own"), format_args!("expects true or false, found {}", node.found()))),
+            Some(node) => {
+                return Err(error(&node.origin, &join(&path, "own"), format_args!("expects true or false, found {}", node.found())));
+            }
         };
         let set = tree.get("set").map(|node| partial(node, &join(&path, "set"))).transpose()?;
         lines.push((Line { name: text, set, measure: None, own, origin: item.origin.clone() }, tree.get("measure")));
@@ -182,7 +188,8 @@ fn measure(node: &Node, path: &str, names: &Names) -> Result<Measure> {
         ["error"] => error_measure(node, path, names)?,
         [] => {
             let key = tree.iter().next();
-            let hint = key.and_then(|(key, _)| nearest(key, &MEASURES)).map_or_else(String::new, |near| format!("; did you mean \"{near}\"?"));
+            let hint =
+                key.and_then(|(key, _)| nearest(key, &MEASURES)).map_or_else(String::new, |near| format!("; did you mean \"{near}\"?"));
             let origin = key.map_or(&node.origin, |(_, node)| &node.origin);
             return Err(error(origin, path, format_args!("expects one of {}{hint}", MEASURES.join(", "))));
         }
@@ -206,7 +213,11 @@ fn error_measure(node: &Node, path: &str, names: &Names) -> Result<What> {
     let name = text_of(&tree["error"], &join(path, "error"))?;
     let Some((_, figure)) = Figure::ALL.into_iter().find(|(known, _)| *known == name) else {
         let hint = nearest(name, &figures).map_or_else(String::new, |near| format!("; did you mean \"{near}\"?"));
-        return Err(error(&tree["error"].origin, &join(path, "error"), format_args!("expects one of {}, found {}{hint}", figures.join(", "), quoted(name))));
+        return Err(error(
+            &tree["error"].origin,
+            &join(path, "error"),
+            format_args!("expects one of {}, found {}{hint}", figures.join(", "), quoted(name)),
+        ));
     };
     let layer = match tree.get("layer") {
         None => LayerPair { test: vec!["RGB".to_owned()], reference: vec!["RGB".to_owned()] },
@@ -244,7 +255,8 @@ fn place(node: &Node, path: &str, names: &Names) -> Result<Place> {
         match names.iter().position(|known| *known == name) {
             Some(number) => Ok(Some(number)),
             None => {
-                let hint = nearest(name, &names).map_or_else(|| format!("there are {}", names.join(", ")), |near| format!("did you mean \"{near}\"?"));
+                let hint = nearest(name, &names)
+                    .map_or_else(|| format!("there are {}", names.join(", ")), |near| format!("did you mean \"{near}\"?"));
                 Err(error(&node.origin, &path, format_args!("there is no {key} {}; {hint}", quoted(name))))
             }
         }
@@ -261,7 +273,8 @@ fn check_timed(of: &str, origin: &Origin, path: &str) -> Result<()> {
     if stages.contains(&stage) {
         return Ok(());
     }
-    let hint = nearest(stage, &stages).map_or_else(|| format!("stages are {}", stages.join(", ")), |near| format!("did you mean \"{near}\"?"));
+    let hint =
+        nearest(stage, &stages).map_or_else(|| format!("stages are {}", stages.join(", ")), |near| format!("did you mean \"{near}\"?"));
     Err(error(origin, path, format_args!("there is no stage {}; {hint}", quoted(stage))))
 }
 
@@ -304,7 +317,12 @@ fn published(node: &Node, rows: &[Line], columns: &[Line]) -> Result<Published> 
         let path = join(path, &line.name);
         let values = items(list, &path)?;
         if values.len() != wanted.len() {
-            let message = format_args!("has {} figures for {} columns; a cell without one says \"-\", a column that is not in the paper own = true", values.len(), wanted.len()).to_string();
+            let message = format_args!(
+                "has {} figures for {} columns; a cell without one says \"-\", a column that is not in the paper own = true",
+                values.len(),
+                wanted.len()
+            )
+            .to_string();
             return Err(error(&list.origin, &path, message));
         }
         let places = (0..columns.len()).filter(|column| !columns[*column].own);
@@ -325,18 +343,26 @@ fn check_measures(table: &Table) -> Result<()> {
     for (row, column) in table.places() {
         let (of_row, of_column) = (&table.rows[row], &table.columns[column]);
         if of_row.measure.is_some() && of_column.measure.is_some() {
-            let message = format_args!("row {} and column {} both say what their cell measures", quoted(&of_row.name), quoted(&of_column.name)).to_string();
+            let message =
+                format_args!("row {} and column {} both say what their cell measures", quoted(&of_row.name), quoted(&of_column.name))
+                    .to_string();
             return Err(error(&of_column.origin, &format!("column.{column}.measure"), message));
         }
         if of_row.measure.is_none() && of_column.measure.is_none() && table.measure.is_none() {
-            return Err(error(&of_column.origin, &format!("column.{column}"), "its cells measure nothing; give a measure to it, to the rows or to the table"));
+            return Err(error(
+                &of_column.origin,
+                &format!("column.{column}"),
+                "its cells measure nothing; give a measure to it, to the rows or to the table",
+            ));
         }
     }
     // Ratios are settled once the cells that they are of are.
     let mut settled = vec![vec![false; table.columns.len()]; table.rows.len()];
     loop {
         let is_ready = |(row, column): &(usize, usize)| match &table.measure(*row, *column).what {
-            What::Ratio { of, over } => [of, over].map(|place| place.from(*row, *column)).iter().all(|(row, column)| settled[*row][*column]),
+            What::Ratio { of, over } => {
+                [of, over].map(|place| place.from(*row, *column)).iter().all(|(row, column)| settled[*row][*column])
+            }
             _ => true,
         };
         let open: Vec<(usize, usize)> = table.places().filter(|(row, column)| !settled[*row][*column]).collect();

@@ -1,0 +1,213 @@
+//! Tables read and planned, and the mistakes that are refused.
+
+use super::cells::{self, reference_folder, run_folder};
+use super::plan::Sweep;
+use super::{Plan, Table, What, print, read};
+use crate::presets;
+use serde_json::json;
+use std::path::Path;
+
+const SMALL: &str = r#"
+title = "Small"
+source = "Somebody 2020, table 1"
+base = "cornell"
+set = { frame = { size = [64, 36], count = 2 } }
+relative_to = { row = "one" }
+deviations = ["another box"]
+
+[published]
+hardware = "a fast GPU"
+[published.figures]
+"one" = [40.0, 1.0]
+"four" = [10.0, "-"]
+
+[[row]]
+name = "one"
+set = { gather = { interleave = 1 } }
+
+[[row]]
+name = "four"
+set = { gather = { interleave = 4 } }
+
+[[column]]
+name = "gather"
+measure = { time = "gather" }
+
+[[column]]
+name = "speed-up"
+measure = { ratio = { of = { row = "one", column = "gather" }, over = { column = "gather" } } }
+
+[[column]]
+name = "error"
+measure = { error = "relmse", layer = "irradiance", against = { row = "one" } }
+own = true
+"#;
+
+fn small() -> Table {
+    read::table(SMALL, Path::new("small.toml")).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+#[test]
+fn every_table_that_comes_with_the_program_can_be_read_and_planned() {
+    assert!(presets::tables().len() >= 2);
+    for (name, text) in presets::tables() {
+        let table = read::table(text, &Path::new(name).with_extension("toml")).unwrap_or_else(|error| panic!("{error:#}"));
+        let plan = Plan::of(&table, &Sweep { scale: 0.25, quick: true, sets: Vec::new() }).unwrap_or_else(|error| panic!("{error:#}"));
+        assert!(!plan.runs.is_empty(), "{name}");
+        assert!(!presets::title(text).is_empty(), "{name}: says nothing of itself in manylight list");
+    }
+}
+
+#[test]
+fn cells_of_the_same_config_share_a_run() {
+    let plan = Plan::of(&small(), &Sweep::default()).unwrap();
+    let runs: Vec<_> = plan.runs.iter().map(|run| (run.label.as_str(), run.set.clone())).collect();
+    assert_eq!(runs.len(), 2, "{runs:?}");
+    assert_eq!((runs[0].0, runs[1].0), ("one", "four"));
+    assert_eq!(runs[1].1, [("gather.interleave".to_owned(), "4".to_owned())].into(), "only what differs is said");
+    assert_eq!(plan.run(1, 0).key, plan.run(1, 2).key);
+    assert_ne!(plan.run(0, 0).key, plan.run(1, 0).key);
+}
+
+#[test]
+fn a_sweep_is_scaled_shortened_and_changed_as_a_whole() {
+    let sweep = Sweep { scale: 0.5, quick: true, sets: vec!["vpls.count=64".to_owned(), "frame.count=9".to_owned()] };
+    let plan = Plan::of(&small(), &sweep).unwrap();
+    for run in &plan.runs {
+        assert_eq!((run.config.frame.size, run.config.frame.count, run.config.vpls.count), ([32, 18], 3, 64));
+    }
+    let whole = Plan::of(&small(), &Sweep::default()).unwrap();
+    assert!(plan.runs.iter().all(|run| whole.runs.iter().all(|other| other.key != run.key)), "other configs have other folders");
+}
+
+/// As a render would leave it, without its pictures.
+fn leave(folder: &Path, plan: &Plan, run: usize, gather: f64, kind: &str) {
+    let own = run_folder(folder, &plan.runs[run]);
+    std::fs::create_dir_all(&own).unwrap();
+    let row = |name: &str, ms: f64| json!({ "name": name, "median": ms, "p5": ms, "p95": ms, "n": 2, "share": 1.0 });
+    let record = json!({
+        "version": "0.1.0", "timing_mode": "isolated",
+        "device": { "name": "a device", "kind": kind, "driver": "a driver", "driver_version": "1" },
+        "timings": { "stages": [row("gather", gather)], "passes": [row("gather/per-pixel", gather)], "total": row("", 2.0 * gather) },
+    });
+    std::fs::write(own.join("run.json"), record.to_string()).unwrap();
+    let pixels = |value: f32| vec![value; 12];
+    let layer = crate::output::Layer::interleaved("irradiance", "RGB", 3, &pixels(run as f32), crate::output::exr::Precision::Float);
+    crate::output::write_exr(&own.join("image.exr"), 2, 2, vec![layer], &[]).unwrap();
+}
+
+#[test]
+fn cells_come_from_the_folders_of_runs_and_papers_times_stand_beside_a_gpus_alone() {
+    let (table, folder) = (small(), tempfile::tempdir().unwrap());
+    let plan = Plan::of(&table, &Sweep::default()).unwrap();
+    let results = cells::results(&table, &plan, folder.path()).unwrap();
+    assert!(!results.complete && results.cells.iter().flatten().all(|cell| cell.value.is_none() && cell.why.is_some()));
+    for (kind, shown) in [("gpu", true), ("cpu", false)] {
+        leave(folder.path(), &plan, 0, 30.0, kind);
+        leave(folder.path(), &plan, 1, 2.0, kind);
+        let results = cells::results(&table, &plan, folder.path()).unwrap();
+        assert!(results.complete);
+        let value = |row: usize, column: usize| results.cells[row][column].value.unwrap();
+        assert_eq!((value(0, 0), value(1, 0), value(1, 1), value(0, 2)), (30.0, 2.0, 15.0, 0.0));
+        assert!((value(1, 2) - 1.0 / 0.01).abs() < 1e-6, "(1 - 0)^2 over 0 and relMSE's constant");
+        let cell = &results.cells[1][0];
+        assert_eq!((cell.relative, cell.published_relative, cell.published), (Some(2.0 / 30.0), Some(0.25), Some(10.0)));
+        for text in [print::text(&results), print::markdown(&results)] {
+            assert_eq!(text.contains("(paper 40 ms)"), shown, "{text}");
+            assert!(text.contains("(paper 0.250x)") && text.contains("15x") && text.contains("another box"), "{text}");
+        }
+        results.write(folder.path()).unwrap();
+        let csv = std::fs::read_to_string(folder.path().join("table.csv")).unwrap();
+        assert_eq!(csv.lines().count(), 7);
+        assert!(csv.contains("small,four,speed-up,ratio,x,15,,,,,"), "{csv}");
+    }
+}
+
+#[test]
+fn runs_of_two_devices_do_not_go_into_one_table() {
+    let (table, folder) = (small(), tempfile::tempdir().unwrap());
+    let plan = Plan::of(&table, &Sweep::default()).unwrap();
+    leave(folder.path(), &plan, 0, 30.0, "gpu");
+    leave(folder.path(), &plan, 1, 2.0, "cpu");
+    let error = cells::results(&table, &plan, folder.path()).unwrap_err().to_string();
+    assert!(error.contains("different devices"), "{error}");
+}
+
+#[test]
+fn a_truth_is_shared_by_runs_that_differ_in_the_pipeline_alone() {
+    let (_, text) = presets::tables().into_iter().find(|(name, _)| *name == "vpl-count").unwrap();
+    let table = read::table(text, Path::new("vpl-count.toml")).unwrap();
+    let plan = Plan::of(&table, &Sweep::default()).unwrap();
+    assert!(plan.runs.iter().all(|run| run.needs_reference));
+    let keys: std::collections::BTreeSet<String> = plan.runs.iter().map(|run| run.reference_key(&table)).collect();
+    assert_eq!(keys.len(), 1);
+    let other = Plan::of(&table, &Sweep { sets: vec!["scene.seed=1".to_owned()], ..Sweep::default() }).unwrap();
+    assert!(!keys.contains(&other.runs[0].reference_key(&table)));
+    assert!(reference_folder(Path::new("a"), "b").ends_with("references/b"));
+}
+
+#[test]
+fn mistakes_are_refused_by_file_line_and_key() {
+    let cases = [
+        ("title = \"Small\"", "", "small.toml: title: is missing"),
+        (
+            "base = \"cornell\"",
+            "base = \"cornel\"",
+            "small.toml:4: base: \"cornel\" is neither a preset nor a file; did you mean \"cornell\"?",
+        ),
+        ("relative_to", "relativ_to", "small.toml:6: relativ_to: unknown key; did you mean \"relative_to\"?"),
+        (
+            "relative_to = { row = \"one\" }",
+            "relative_to = { row = \"on\" }",
+            "small.toml:6: relative_to.row: there is no row \"on\"; did you mean \"one\"?",
+        ),
+        ("\"four\" = [10.0, \"-\"]", "\"four\" = [10.0]", "small.toml:13: published.figures.four: has 1 figures for 2 columns"),
+        ("\"four\" = [10.0, \"-\"]", "", "published.figures.four: is missing"),
+        (
+            "\"four\" = [10.0, \"-\"]",
+            "\"five\" = [10.0, \"-\"]",
+            "small.toml:13: published.figures.five: unknown key; known here are one, four",
+        ),
+        ("name = \"four\"", "name = \"one\"", "row.1.name: \"one\" is there twice"),
+        (
+            "time = \"gather\"",
+            "tim = \"gather\"",
+            "column.0.measure: expects one of time, ratio, error, flicker, count, memory; did you mean \"time\"?",
+        ),
+        ("time = \"gather\"", "time = \"gathr\"", "column.0.measure: there is no stage \"gathr\"; did you mean \"gather\"?"),
+        (
+            "error = \"relmse\"",
+            "error = \"relms\"",
+            "column.2.measure.error: expects one of rmse, relmse, energy, worst, flip, found \"relms\"; did you mean \"relmse\"?",
+        ),
+        ("against = { row = \"one\" }", "against = \"truth\"", "column.2.measure.against: expects \"reference\" or a cell"),
+        ("over = { column = \"gather\" }", "over = { column = \"speed-up\" }", "comes back to itself"),
+        ("measure = { time = \"gather\" }", "", "column.0: its cells measure nothing"),
+        ("measure = { time = \"gather\" }", "measure = { time = \"gather\", count = \"a\" }", "measures time and count at once"),
+        ("measure = { time = \"gather\" }", "measure = { flicker = \"irradianc\" }", "did you mean irradiance?"),
+    ];
+    for (from, to, expected) in cases {
+        assert!(SMALL.contains(from), "{from}");
+        let error = format!(
+            "{:#}",
+            read::table(&SMALL.replacen(from, to, 1), Path::new("small.toml")).err().unwrap_or_else(|| panic!("{to} was taken"))
+        );
+        assert!(error.contains(expected), "{to}: {error}");
+    }
+    // What a cell sets is checked with its base, before anything is rendered.
+    let cells = [
+        (
+            "gather = { interleave = 4 }",
+            "gather = { interleaf = 4 }",
+            "small.toml:21: gather.interleaf: unknown key; did you mean \"interleave\"?",
+        ),
+        ("gather = { interleave = 4 }", "gather = { interleave = 3 }", "small.toml:21: gather.interleave: 3 is out of range"),
+        ("gather = { interleave = 4 }", "scene = { file = \"none.glb\" }", "none.glb does not exist"),
+    ];
+    for (from, to, expected) in cells {
+        let table = read::table(&SMALL.replacen(from, to, 1), Path::new("small.toml")).unwrap();
+        let error = format!("{:#}", Plan::of(&table, &Sweep::default()).err().unwrap_or_else(|| panic!("{to} was taken")));
+        assert!(error.contains(expected), "{to}: {error}");
+    }
+    assert!(matches!(small().measure(0, 0).what, What::Time { .. }));
+}
