@@ -19,3 +19,4 @@ pub mod renderer;
 pub mod report;
 pub mod scene;
 pub mod stages;
+pub mod trace;

@@ -182,8 +182,8 @@ impl Tracer {
         let scene = traced.import(&mut g);
         let mut lights = vec![Projector::zeroed(); Projector::MAX];
         lights[..self.lights.len()].copy_from_slice(&self.lights);
-        let lights = g.upload("lights", &lights);
-        let view = g.upload("view", &[self.view]);
+        let lights = g.upload("reference/lights", &lights);
+        let view = g.upload("reference/view", &[self.view]);
         let counter = g.upload("reference/rays", &[0u32; 2]);
         let (size, layers) = self.sums_size();
         let sums = g.keep_image("reference/sums", self.sums, Format::Rgba32Float, size, layers);
@@ -244,7 +244,7 @@ impl Tracer {
         let mut g = Graph::new();
         let Some(traced) = renderer.traced_scene() else { unreachable!("the scene was brought without what rays need") };
         let scene = traced.import(&mut g);
-        let view = g.upload("view", &[self.view]);
+        let view = g.upload("reference/view", &[self.view]);
         let (size, _) = self.sums_size();
         let normals = g.image("reference/normals", Format::Rgba32Float, size);
         let positions = g.image("reference/positions", Format::Rgba32Float, size);
