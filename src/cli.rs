@@ -1,8 +1,10 @@
 //! The command line, parsed and nothing else.
 
+mod bench;
 mod compare;
 mod reference;
 
+pub use bench::BenchArgs;
 pub use compare::{CompareArgs, LayerChoice};
 pub use reference::ReferenceArgs;
 
@@ -35,6 +37,8 @@ pub enum Command {
     },
     /// Say how far pictures are from their references
     Compare(CompareArgs),
+    /// Say how long the frames of a config take, pass by pass, and a line to paste into a bug report
+    Bench(BenchArgs),
     /// Say which devices there are, what runs on them, and what is missing for the rest
     Doctor,
     /// List devices, stages, methods and presets
@@ -72,8 +76,14 @@ pub struct RenderArgs {
     /// Count values that are no numbers after every pass
     #[arg(long)]
     pub check_nan: bool,
-    /// Print neither progress nor the table of times
+    /// Write what the host and the device did when, for ui.perfetto.dev or chrome://tracing
+    #[arg(long, value_name = "FILE")]
+    pub trace: Option<PathBuf>,
+    /// Print the times of passes, what they counted and what every resource takes, too
     #[arg(short, long)]
+    pub verbose: bool,
+    /// Print neither progress nor the table of times
+    #[arg(short, long, conflicts_with = "verbose")]
     pub quiet: bool,
 }
 
@@ -144,7 +154,7 @@ pub fn try_parse(arguments: Vec<OsString>) -> Result<Cli, clap::Error> {
 
 /// The short form: a config as the first argument means `render`. A file that is called as a command is given as ./NAME.
 fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
-    let commands = ["render", "reference", "compare", "export", "doctor", "list", "help"];
+    let commands = ["render", "reference", "compare", "export", "bench", "doctor", "list", "help"];
     let short = arguments.get(1).is_some_and(|first| {
         let path = Path::new(first);
         let plain = !first.to_string_lossy().starts_with('-') && !commands.iter().any(|command| first == command);
@@ -260,6 +270,12 @@ mod tests {
             "c.toml --unknown",
             "c.toml d.toml",
             "doctor now",
+            "bench",
+            "bench c.toml --runs 0",
+            "bench c.toml --timing fast",
+            "bench c.toml --json --quiet",
+            "bench c.toml --frames 3",
+            "c.toml --quiet --verbose",
             "reference",
             "reference c.toml --spp 0",
             "reference c.toml --bounces 99",
@@ -314,6 +330,21 @@ mod tests {
             reference("reference c.toml -o there --spp 16 --bounces 0 --time 1.5 --target-error 0.01 --resume --size 64x32 --frame 3");
         assert_eq!((all.spp, all.bounces, all.time, all.target_error, all.frame), (16, 0, Some(1.5), Some(0.01), Some(3)));
         assert_eq!(all.overrides(), ["frame.size=[64, 32]"]);
+    }
+
+    #[test]
+    fn a_bench_measures_30_frames_until_told_otherwise() {
+        let bench = |line: &str| match arguments(line).unwrap().command {
+            Command::Bench(bench) => bench,
+            other => panic!("{other:?}"),
+        };
+        let plain = bench("bench configs/cornell.toml");
+        assert_eq!((plain.runs, plain.warmup, &plain.output, &plain.trace), (30, None, &None, &None));
+        assert!(!plain.json && !plain.verbose && !plain.quiet && plain.overrides().is_empty());
+        let all = bench("bench c.toml --runs 5 --warmup 0 -o there --trace t.json --set vpls.count=64 --size 64x32 --timing serial -v");
+        assert_eq!((all.runs, all.warmup, all.verbose), (5, Some(0), true));
+        assert_eq!((all.output.as_deref(), all.trace.as_deref()), (Some(Path::new("there")), Some(Path::new("t.json"))));
+        assert_eq!(all.overrides(), ["vpls.count=64", "frame.size=[64, 32]", "frame.timing=serial"]);
     }
 
     #[test]

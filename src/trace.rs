@@ -34,6 +34,8 @@ const GPU: u64 = 2;
 
 /// Turns the recorder on; what was recorded before is gone.
 pub fn start() {
+    // The thread that starts it is the first.
+    THREAD.with(|_| ());
     with_recorder(|recorder| *recorder = Some(Recorder::new(Instant::now())));
     ON.store(true, Ordering::Relaxed);
 }

@@ -1,7 +1,7 @@
 //! `manylight reference CONFIG`: ground truth by path tracing, layer by layer, with its variance.
 
 use super::progress::Progress;
-use super::{load_config, open, provenance};
+use super::{load_config, open, prepare_trace, provenance};
 use crate::cli::ReferenceArgs;
 use crate::config::Config;
 use crate::fail;
@@ -10,8 +10,9 @@ use crate::output::exr::Precision;
 use crate::output::{Layer as ExrLayer, RunReport, prepare_folder, write_exr, write_file, write_png};
 use crate::reference::{Features, Layer, Settings, Sums, Tracer, develop, load_sums, save_sums};
 use crate::renderer::{Renderer, timing};
-use crate::report::{PassTime, Timings, peak_memory_bytes, timings_csv};
+use crate::report::{Memory, PassTime, Timings, peak_memory_bytes, timings_csv};
 use crate::scene::Scene;
+use crate::trace;
 use anyhow::{Context, Result};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -27,6 +28,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let config = load_config(&args.config, &args.overrides())?;
     let folder = args.output();
     prepare_folder(&folder)?;
+    prepare_trace(args.trace.as_deref())?;
     let _ = ctrlc::set_handler(|| {
         if STOPPED.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
@@ -61,6 +63,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let mut rays = 0;
     // A run that is stopped while it makes ready leaves one sample, so that there is something.
     while tracer.samples() < args.spp && (tracer.samples() == 0 || !STOPPED.load(Ordering::Relaxed)) {
+        let _span = trace::span(format_args!("sample {}", tracer.samples()));
         let (traced, ms) = tracer.sample(&mut renderer, &execution)?;
         times.push(PassTime { frame: tracer.samples() - 1, pass: "reference/path".to_owned(), ms });
         rays += traced;
@@ -80,6 +83,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let seconds = start.elapsed().as_secs_f64();
 
     progress.say("writing");
+    let writing = trace::span("writing");
     let sums = tracer.sums(&mut renderer)?;
     let from = provenance(&args.config, &config, &renderer);
     let [width, height] = sums.size;
@@ -118,12 +122,17 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
         warmup: 0,
         timings: Timings::of(&times),
         counts: counts.map(|(name, count)| (name.to_owned(), count)).into(),
+        memory: Memory::of(tracer.memory()),
         checks,
         warnings,
         peak_memory_bytes: peak_memory_bytes(),
         config: serde_json::to_value(&config).context("the config cannot be written as JSON")?,
     };
     report.write(&folder.join("run.json"))?;
+    drop(writing);
+    if let Some(path) = &args.trace {
+        trace::finish(path, &report.from)?;
+    }
     progress.end();
 
     println!("{}", folder.join("image.png").display());

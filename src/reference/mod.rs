@@ -69,6 +69,8 @@ pub struct Tracer {
     settings: Settings,
     sums: ImageId,
     samples: u32,
+    /// Bytes of what the last submission had, by name.
+    memory: Vec<(String, u64)>,
     /// Rows of pixels that the next submission traces; it adapts itself to the device.
     pub rows_at_once: u32,
 }
@@ -146,6 +148,7 @@ impl Tracer {
             settings,
             sums: image,
             samples: sums.samples,
+            memory: Vec::new(),
             rows_at_once: 8,
         })
     }
@@ -153,6 +156,11 @@ impl Tracer {
     /// Paths that each pixel has had.
     pub fn samples(&self) -> u32 {
         self.samples
+    }
+
+    /// Bytes of every resource of the tracer's own, by name, as of its last sample.
+    pub fn memory(&self) -> &[(String, u64)] {
+        &self.memory
     }
 
     fn sums_size(&self) -> ([u32; 2], u32) {
@@ -176,7 +184,7 @@ impl Tracer {
         Ok((rays, ms))
     }
 
-    fn rows(&self, renderer: &mut Renderer, execution: &Execution, first_row: u32, rows: u32) -> Result<(u64, f64)> {
+    fn rows(&mut self, renderer: &mut Renderer, execution: &Execution, first_row: u32, rows: u32) -> Result<(u64, f64)> {
         let mut g = Graph::new();
         let Some(traced) = renderer.traced_scene() else { unreachable!("the scene was brought without what rays need") };
         let scene = traced.import(&mut g);
@@ -214,6 +222,7 @@ impl Tracer {
             })
             .dispatch([self.view.width, rows, 1]);
         let counted = g.read_back(counter);
+        self.memory = g.memory();
         let outcome = renderer.engine().execute(&g, execution)?;
         let [rays, unfinished] = bytemuck::pod_read_unaligned::<[u32; 2]>(outcome.bytes(counted));
         if unfinished != 0 {
@@ -262,7 +271,7 @@ impl Tracer {
     }
 
     /// Compiles the shaders and makes the pipelines.
-    pub fn prepare(&self, renderer: &mut Renderer) -> Result<()> {
+    pub fn prepare(&mut self, renderer: &mut Renderer) -> Result<()> {
         self.rows(renderer, &Execution::default(), self.view.height, 1).map(|_| ())
     }
 

@@ -1,12 +1,16 @@
-//! Figures: the times of passes, their statistics, and the table and the CSV that show them.
+//! Figures: the times of passes, their statistics, what frames take, and the tables, the line and the CSV that show them.
 //!
 //! A figure never travels without its [`Provenance`].
 
 mod csv;
+mod line;
+mod memory;
 mod statistics;
 mod table;
 
 pub use self::csv::timings_csv;
+pub use self::line::paste_line;
+pub use self::memory::{Memory, counts_table, memory_table};
 pub use self::statistics::{Row, Statistics, Timings};
 pub use self::table::timing_table;
 
