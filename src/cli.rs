@@ -1,5 +1,6 @@
 //! The command line, parsed and nothing else.
 
+mod bench;
 mod compare;
 mod flicker;
 mod reference;
@@ -7,6 +8,7 @@ mod report;
 mod reproduce;
 mod sequence;
 
+pub use bench::BenchArgs;
 pub use compare::{CompareArgs, LayerChoice};
 pub use flicker::FlickerArgs;
 pub use reference::ReferenceArgs;
@@ -49,6 +51,8 @@ pub enum Command {
     Report(ReportArgs),
     /// Walk a config's camera path and say how much what stays in sight flickers
     Flicker(FlickerArgs),
+    /// Say how long the frames of a config take, pass by pass, and a line to paste into a bug report
+    Bench(BenchArgs),
     /// Say which devices there are, what runs on them, and what is missing for the rest
     Doctor,
     /// List devices, stages, methods and presets
@@ -88,8 +92,14 @@ pub struct RenderArgs {
     /// Count values that are no numbers after every pass
     #[arg(long)]
     pub check_nan: bool,
-    /// Print neither progress nor the table of times
+    /// Write what the host and the device did when, for ui.perfetto.dev or chrome://tracing
+    #[arg(long, value_name = "FILE")]
+    pub trace: Option<PathBuf>,
+    /// Print the times of passes, what they counted and what every resource takes, too
     #[arg(short, long)]
+    pub verbose: bool,
+    /// Print neither progress nor the table of times
+    #[arg(short, long, conflicts_with = "verbose")]
     pub quiet: bool,
 }
 
@@ -276,6 +286,12 @@ mod tests {
             "c.toml --unknown",
             "c.toml d.toml",
             "doctor now",
+            "bench",
+            "bench c.toml --runs 0",
+            "bench c.toml --timing fast",
+            "bench c.toml --json --quiet",
+            "bench c.toml --frames 3",
+            "c.toml --quiet --verbose",
             "reference",
             "reference c.toml --spp 0",
             "reference c.toml --bounces 99",
@@ -350,6 +366,21 @@ mod tests {
         let all = flicker("flicker c.toml -o there --layer irradiance --set vpls.count=64 --frames 8 --size 64x32 --reference truth");
         assert_eq!(all.overrides(), ["vpls.count=64", "frame.count=8", "frame.size=[64, 32]"]);
         assert_eq!(all.reference, Some("truth".into()));
+    }
+
+    #[test]
+    fn a_bench_measures_30_frames_until_told_otherwise() {
+        let bench = |line: &str| match arguments(line).unwrap().command {
+            Command::Bench(bench) => bench,
+            other => panic!("{other:?}"),
+        };
+        let plain = bench("bench configs/cornell.toml");
+        assert_eq!((plain.runs, plain.warmup, &plain.output, &plain.trace), (30, None, &None, &None));
+        assert!(!plain.json && !plain.verbose && !plain.quiet && plain.overrides().is_empty());
+        let all = bench("bench c.toml --runs 5 --warmup 0 -o there --trace t.json --set vpls.count=64 --size 64x32 --timing serial -v");
+        assert_eq!((all.runs, all.warmup, all.verbose), (5, Some(0), true));
+        assert_eq!((all.output.as_deref(), all.trace.as_deref()), (Some(Path::new("there")), Some(Path::new("t.json"))));
+        assert_eq!(all.overrides(), ["vpls.count=64", "frame.size=[64, 32]", "frame.timing=serial"]);
     }
 
     #[test]

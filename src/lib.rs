@@ -20,4 +20,5 @@ pub mod report;
 pub mod scene;
 pub mod stages;
 pub mod tables;
+pub mod trace;
 pub mod walk;

@@ -12,11 +12,13 @@ use crate::scene::projection::{Projector, View};
 use crate::scene::traced::TracedScene;
 use crate::scene::{Aabb, Light, Scene, view};
 use crate::stages::{METHODS, gather, visibility};
+use crate::trace;
 use anyhow::{Result, bail};
 use glam::Vec3;
 
 /// Loads or makes the config's scene; beside it, what the user should be told.
 pub fn load_scene(config: &SceneConfig) -> Result<(Scene, Vec<String>)> {
+    let _span = trace::span("loading the scene");
     if let Some(path) = &config.file {
         let choice = config.scene.as_ref().map(|selector| match selector {
             SceneSelector::Index(index) => SceneChoice::Index(*index as usize),
@@ -49,6 +51,10 @@ pub struct Renderer {
 pub struct Rendered {
     /// Milliseconds of each pass, in order.
     pub times: Vec<(&'static str, f64)>,
+    /// What passes counted, by name ([`Graph::count`]).
+    pub counts: Vec<(String, u64)>,
+    /// Bytes of every resource of the frame's own, by name ([`Graph::memory`]).
+    pub memory: Vec<(String, u64)>,
     pub dumps: Vec<Dump>,
     /// Pass, image, and how many of its texels are not finite.
     pub non_finite: Vec<(&'static str, String, u32)>,
@@ -138,6 +144,7 @@ impl Renderer {
     }
 
     fn bring(gpu: Gpu, scene: Scene, traced: bool) -> Result<Self> {
+        let _span = trace::span("bringing the scene to the device");
         let mut engine = Engine::new(gpu, Library::new()?);
         let device_scene = DeviceScene::upload(&mut engine.gpu, &scene)?;
         let traced = if traced { Some(TracedScene::upload(&mut engine.gpu, &scene)?) } else { None };
@@ -272,11 +279,12 @@ impl Renderer {
         warnings.into_iter().flatten().map(str::to_owned).collect()
     }
 
-    /// Compiles the shaders and makes the pipelines of this config, so that no frame has to.
+    /// Compiles the shaders and makes the pipelines of this config, those of what no view sees yet too, so that no frame has to.
     ///
     /// Refuses names of passes to dump that the frame does not have.
     pub fn prepare(&mut self, config: &Config, dump: &[String]) -> Result<()> {
-        let mut g = Graph::new();
+        let _span = trace::span("preparing the shaders");
+        let mut g = Graph::warming_up();
         self.describe(&mut g, config, 0)?;
         if let Some(unknown) = dump.iter().find(|name| !g.pass_names().any(|pass| pass == *name)) {
             let names = g.pass_names().collect::<Vec<_>>().join(", ");
@@ -285,8 +293,16 @@ impl Renderer {
         self.engine.prepare(&g)
     }
 
+    /// Runs frame 0 with a triangle of every kind that the scene draws, so that no later frame is the first to use a pipeline.
+    pub fn warm_up(&mut self, config: &Config, execution: &Execution) -> Result<()> {
+        let mut g = Graph::warming_up();
+        self.describe(&mut g, config, 0)?;
+        self.engine.execute(&g, execution).map(|_| ())
+    }
+
     /// The frame's graph, and the view that it is seen by.
     fn describe(&self, g: &mut Graph, config: &Config, frame_index: u32) -> Result<(Frame, View)> {
+        let _span = trace::span("describing");
         let view = self.view(config, frame_index)?;
         let lighting = self.lighting(config, frame_index)?;
         Ok((frame(g, &self.device_scene, self.traced.as_ref(), &view, &lighting, config), view))
@@ -308,6 +324,7 @@ impl Renderer {
         ];
         let read: Vec<ReadBack> = if pictured { images.iter().map(|image| g.read_back(*image)).collect() } else { Vec::new() };
         let outcome = self.engine.execute(&g, execution)?;
+        let _span = pictured.then(|| trace::span("decoding the images"));
         let picture = match read.as_slice() {
             [image, planes @ ..] => {
                 let plane = |(image, read): (&Image, &ReadBack)| Plane::decode(image.format, outcome.bytes(*read));
@@ -320,7 +337,14 @@ impl Renderer {
             }
             [] => None,
         };
-        Ok(Rendered { times: outcome.times, dumps: outcome.dumps, non_finite: outcome.non_finite, picture })
+        Ok(Rendered {
+            times: outcome.times,
+            counts: outcome.counts,
+            memory: g.memory(),
+            dumps: outcome.dumps,
+            non_finite: outcome.non_finite,
+            picture,
+        })
     }
 }
 

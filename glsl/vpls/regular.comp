@@ -22,6 +22,7 @@ uniform sampler2DArray rsm_flux;
 uniform sampler2DArray rsm_albedo;
 layout(scalar) writeonly buffer Points { VplPoint at[]; } points;
 layout(scalar) writeonly buffer Intensities { vec3 at[]; } intensities;
+layout(scalar) buffer Lit { uint count; } lit;
 
 const float PI = 3.14159265358979;
 
@@ -61,4 +62,5 @@ void main() {
     }
     points.at[index] = point;
     intensities.at[index] = intensity;
+    if (any(greaterThan(intensity, vec3(0.0)))) atomicAdd(lit.count, 1u);
 }

@@ -50,6 +50,9 @@ pub struct ReferenceArgs {
     /// Turn on the Vulkan validation layer; any message fails the run
     #[arg(long)]
     pub validate: bool,
+    /// Write what the host and the device did when, for ui.perfetto.dev or chrome://tracing
+    #[arg(long, value_name = "FILE")]
+    pub trace: Option<PathBuf>,
     /// Print no progress
     #[arg(short, long)]
     pub quiet: bool,

@@ -1,14 +1,14 @@
 //! Frames of a config, measured, and the folder that they leave: what a render's and a table's runs have in common.
 
 use super::progress::Progress;
-use super::provenance;
 use super::render::layers;
+use super::{counts, provenance};
 use crate::config::Config;
 use crate::fail;
 use crate::graph::Execution;
 use crate::output::{RunReport, prepare_folder, write_exr, write_file, write_png};
-use crate::renderer::{Picture, Renderer, timing};
-use crate::report::{PassTime, Timings, peak_memory_bytes, timings_csv};
+use crate::renderer::{Rendered, Renderer, timing};
+use crate::report::{Memory, PassTime, Timings, peak_memory_bytes, timings_csv};
 use anyhow::{Context, Result};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,8 +16,8 @@ use std::path::Path;
 /// What the measured frames of a config gave.
 pub struct Measured {
     pub times: Vec<PassTime>,
-    /// Of the last frame.
-    pub picture: Picture,
+    /// The last frame, with its picture.
+    pub last: Rendered,
 }
 
 /// Warms up and renders the frames of a config; the last one's picture is brought back.
@@ -25,19 +25,19 @@ pub fn frames(renderer: &mut Renderer, config: &Config, progress: &Progress) -> 
     let execution = Execution { timing: timing(config, &renderer.gpu().adapter), ..Execution::default() };
     renderer.prepare(config, &[])?;
     for _ in 0..config.frame.warmup {
-        renderer.render(config, 0, false, &execution)?;
+        renderer.warm_up(config, &execution)?;
         progress.tick();
     }
     let mut times = Vec::new();
-    let mut picture = None;
+    let mut last = None;
     for frame in 0..config.frame.count {
         let rendered = renderer.render(config, frame, frame + 1 == config.frame.count, &execution)?;
         times.extend(rendered.times.iter().map(|(pass, ms)| PassTime { frame, pass: (*pass).to_owned(), ms: *ms }));
-        picture = rendered.picture;
+        last = Some(rendered);
         progress.tick();
     }
-    let Some(picture) = picture else { unreachable!("a config renders at least one frame, and the last is brought back") };
-    Ok(Measured { times, picture })
+    let Some(last) = last else { unreachable!("a config renders at least one frame") };
+    Ok(Measured { times, last })
 }
 
 impl Measured {
@@ -45,23 +45,20 @@ impl Measured {
     pub fn write(&self, folder: &Path, name: &Path, config: &Config, renderer: &Renderer) -> Result<()> {
         prepare_folder(folder)?;
         let from = provenance(name, config, renderer);
-        let [width, height] = self.picture.size;
-        write_png(&folder.join("image.png"), width, height, &self.picture.image)?;
+        let Some(picture) = &self.last.picture else { unreachable!("the last frame is brought back") };
+        let [width, height] = picture.size;
+        write_png(&folder.join("image.png"), width, height, &picture.image)?;
         let metadata = [("version", from.version.clone()), ("preset", from.preset.clone()), ("device", from.device.name.clone())];
-        write_exr(&folder.join("image.exr"), width, height, layers(&self.picture, &config.output.layers), &metadata)?;
+        write_exr(&folder.join("image.exr"), width, height, layers(picture, &config.output.layers), &metadata)?;
         write_file(&folder.join("timings.csv"), &timings_csv(&self.times, &from)?)?;
-        let counts = [
-            ("scene/triangles".to_owned(), renderer.device_scene().triangles),
-            ("vpls/count".to_owned(), u64::from(config.vpls.count)),
-            ("device/memory-bytes".to_owned(), renderer.gpu().memory_in_use()),
-        ];
         let report = RunReport {
             from,
             seed: u64::from(config.frame.seed),
             frames: config.frame.count,
             warmup: config.frame.warmup,
             timings: Timings::of(&self.times),
-            counts: counts.into(),
+            counts: counts(renderer, config, None, &self.last.counts),
+            memory: Memory::of(&self.last.memory),
             checks: BTreeMap::new(),
             warnings: renderer.warnings(config),
             peak_memory_bytes: peak_memory_bytes(),

@@ -1,5 +1,6 @@
 //! The program's commands, a file each. Results go to stdout, progress and warnings to stderr.
 
+pub mod bench;
 pub mod compare;
 pub mod doctor;
 pub mod export;
@@ -18,11 +19,14 @@ use crate::config::{self, Config};
 use crate::fail;
 use crate::gpu::{DeviceChoice, Gpu, Options};
 use crate::graph::Timing;
+use crate::output::prepare_folder;
 use crate::presets;
 use crate::renderer::{Renderer, load_scene, timing};
 use crate::report::{Device, Provenance};
 use crate::scene::Scene;
+use crate::trace;
 use anyhow::Result;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Runs a parsed command line.
@@ -35,6 +39,7 @@ pub fn run(cli: &Cli) -> Result<()> {
         Command::Reproduce(args) => reproduce::run(args),
         Command::Report(args) => report::run(args),
         Command::Flicker(args) => flicker::run(args),
+        Command::Bench(args) => bench::run(args),
         Command::Doctor => doctor::run(),
         Command::List => list::run(),
     }
@@ -54,6 +59,27 @@ fn open(config: &Config, device: Option<&DeviceChoice>, validate: bool) -> Resul
     let (scene, gpu) = rayon::join(|| load_scene(&config.scene), || Gpu::new(&options));
     let (gpu, (scene, warnings)) = (gpu?, scene?);
     Ok((gpu, scene, warnings))
+}
+
+/// Turns the recorder on where a trace is wanted, and proves that the file can be written.
+fn prepare_trace(path: Option<&Path>) -> Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    prepare_folder(folder.unwrap_or(Path::new(".")))?;
+    trace::start();
+    Ok(())
+}
+
+/// What `run.json` says of a rendered config in numbers: what the run knows, and what passes counted.
+fn counts(renderer: &Renderer, config: &Config, first_pass_ms: Option<u64>, counted: &[(String, u64)]) -> BTreeMap<String, u64> {
+    let known = [
+        ("scene/triangles", Some(renderer.device_scene().triangles)),
+        ("start/first-pass-ms", first_pass_ms),
+        ("vpls/count", Some(u64::from(config.vpls.count))),
+        ("device/memory-bytes", Some(renderer.gpu().memory_in_use())),
+    ];
+    let known = known.into_iter().filter_map(|(name, count)| Some((name.to_owned(), count?)));
+    known.chain(counted.iter().cloned()).collect()
 }
 
 /// Where the figures of a run come from.

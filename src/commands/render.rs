@@ -1,7 +1,7 @@
 //! `manylight render CONFIG`: pictures, layers, times, and a record of how they came about.
 
 use super::progress::Progress;
-use super::{load_config, no_frames, open, provenance};
+use super::{counts, load_config, no_frames, open, prepare_trace, provenance};
 use crate::cli::RenderArgs;
 use crate::config::Layer as LayerName;
 use crate::fail;
@@ -9,7 +9,8 @@ use crate::graph::{Dump, DumpData, Execution};
 use crate::output::exr::Precision;
 use crate::output::{FRAMES, Layer, RunReport, frame_file, prepare_folder, write_exr, write_file, write_png};
 use crate::renderer::{Picture, Plane, Renderer, needs_rays, timing};
-use crate::report::{PassTime, Timings, peak_memory_bytes, timing_table, timings_csv};
+use crate::report::{Memory, PassTime, Timings, counts_table, memory_table, peak_memory_bytes, timing_table, timings_csv};
+use crate::trace;
 use anyhow::{Context, Result};
 use std::path::Path;
 use std::time::Instant;
@@ -26,6 +27,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     if args.sequence.sequence {
         prepare_folder(&frames_folder)?;
     }
+    prepare_trace(args.trace.as_deref())?;
     let progress = Progress::new(args.quiet);
 
     progress.say("loading the scene");
@@ -41,7 +43,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     renderer.prepare(&config, &args.dump)?;
     let first_pass_ms = started.elapsed().as_millis() as u64;
     for i in 0..config.frame.warmup {
-        renderer.render(&config, 0, false, &execution)?;
+        let _span = trace::span(format_args!("warm-up frame {i}"));
+        renderer.warm_up(&config, &execution)?;
         progress.say(&format!("warm-up frame {} of {}", i + 1, config.frame.warmup));
     }
     let mut times = Vec::new();
@@ -55,6 +58,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     };
     for (done, frame) in frames.iter().copied().enumerate() {
         progress.frame(done as u32, frames.len() as u32);
+        let _span = trace::span(format_args!("frame {frame}"));
         let is_last = frame == last_frame;
         if is_last {
             execution.dump = args.dump.clone();
@@ -71,6 +75,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let Some(picture) = &rendered.picture else { unreachable!("the last frame is brought back") };
 
     progress.say("writing");
+    let writing = trace::span("writing");
     let image = folder.join("image.png");
     // Of a sequence in parts, the part with the last frame leaves it as a whole sequence does.
     let leaves_image = last_frame + 1 == config.frame.count;
@@ -88,29 +93,31 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     if args.validate {
         checks.insert("validation".to_owned(), serde_json::json!(messages));
     }
-    let counts = [
-        ("scene/triangles".to_owned(), renderer.device_scene().triangles),
-        ("start/first-pass-ms".to_owned(), first_pass_ms),
-        ("vpls/count".to_owned(), u64::from(config.vpls.count)),
-        ("device/memory-bytes".to_owned(), renderer.gpu().memory_in_use()),
-    ];
     let report = RunReport {
         from: from.clone(),
         seed: u64::from(config.frame.seed),
         frames: frames.len() as u32,
         warmup: config.frame.warmup,
         timings: Timings::of(&times),
-        counts: counts.into(),
+        counts: counts(&renderer, &config, Some(first_pass_ms), &rendered.counts),
+        memory: Memory::of(&rendered.memory),
         checks,
         warnings,
         peak_memory_bytes: peak_memory_bytes(),
         config: serde_json::to_value(&config).context("the config cannot be written as JSON")?,
     };
     report.write(&folder.join(args.sequence.file_name("run", "json")))?;
+    drop(writing);
+    if let Some(path) = &args.trace {
+        trace::finish(path, &from)?;
+    }
     progress.end();
 
     if !args.quiet {
-        print!("{}", timing_table(&times, &from, false));
+        print!("{}", timing_table(&times, &from, args.verbose));
+    }
+    if args.verbose {
+        print!("\n{}\n{}\n", counts_table(&rendered.counts), memory_table(&rendered.memory));
     }
     println!("{}", if leaves_image { image.display() } else { frames_folder.display() });
     dumped.iter().for_each(|path| println!("{path}"));

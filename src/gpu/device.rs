@@ -7,11 +7,13 @@ use super::memory::Memory;
 use super::pipeline::Pipelines;
 use super::types::{Sampler, Wrapping};
 use crate::fail;
+use crate::trace;
 use anyhow::{Context, Result};
 use ash::{ext, khr, vk};
 use std::collections::HashMap;
 use std::ffi::{CStr, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
@@ -36,6 +38,7 @@ pub struct Gpu {
     command_pool: vk::CommandPool,
     fence: vk::Fence,
     pub(super) queries: vk::QueryPool,
+    submitted: Instant,
     pub(super) fault: Option<Fault>,
     messages: Arc<Mutex<Vec<String>>>,
     instance: Instance,
@@ -148,6 +151,7 @@ impl Gpu {
 
     /// Opens the device that `options` choose. Errors say what there is, what is missing and which package brings it.
     pub fn new(options: &Options) -> Result<Self> {
+        let _span = trace::span("opening the device");
         let fault = Fault::from_environment()?;
         let messages = Arc::default();
         let instance = Instance::new(options.validate, &messages)?;
@@ -195,6 +199,7 @@ impl Gpu {
             memory: Memory::new(&instance.handle, &device, adapter.handle)?,
             pipelines: Pipelines::default(),
             samplers: HashMap::new(),
+            submitted: Instant::now(),
             fault,
             adapter,
             device,
@@ -220,6 +225,7 @@ impl Gpu {
     /// Records commands, submits them and waits until the device has done them all.
     pub fn submit(&mut self, what: &str, record: impl FnOnce(&mut Commands<'_>)) -> Result<()> {
         let error = |error| failure(error, what);
+        let recording = trace::span(format_args!("recording {what}"));
         let info = vk::CommandBufferAllocateInfo::default().command_pool(self.command_pool).command_buffer_count(1);
         let buffer = unsafe { self.device.allocate_command_buffers(&info) }.map_err(error)?[0];
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
@@ -227,8 +233,11 @@ impl Gpu {
         let mut commands = Commands::new(self, buffer);
         record(&mut commands);
         let lost_at = commands.injected_loss();
+        unsafe { self.device.end_command_buffer(buffer) }.map_err(error)?;
+        drop(recording);
+        let waiting = trace::span(format_args!("submitting and waiting for {what}"));
+        self.submitted = Instant::now();
         let result = unsafe {
-            self.device.end_command_buffer(buffer).map_err(error)?;
             if lost_at.is_some() {
                 Err(vk::Result::ERROR_DEVICE_LOST)
             } else {
@@ -240,8 +249,14 @@ impl Gpu {
                     .and_then(|()| self.device.reset_fences(&[self.fence]))
             }
         };
+        drop(waiting);
         unsafe { self.device.free_command_buffers(self.command_pool, &[buffer]) };
         result.map_err(|error| failure(error, lost_at.as_deref().unwrap_or(what)))
+    }
+
+    /// When the last submission was handed to the driver.
+    pub fn submitted(&self) -> Instant {
+        self.submitted
     }
 
     /// The first `count` timestamps of the last submission, in milliseconds from the first.

@@ -9,6 +9,7 @@ use super::pool::{BufferKind, Pool};
 use super::record::{Placed, Ready, Step, accesses, run};
 use super::{Graph, ReadBack, Resource, Source};
 use crate::gpu::{BindingKind, Bound, BufferId, Format, Gpu, ImageDesc, PipelineId, Sampler, ShaderAccess};
+use crate::trace;
 use anyhow::{Result, bail};
 use std::collections::{BTreeSet, HashMap};
 
@@ -39,6 +40,10 @@ pub struct Execution {
 pub struct FrameOutcome {
     /// Each pass's time in milliseconds, in order.
     pub times: Vec<(&'static str, f64)>,
+    /// When each of these passes began, milliseconds after the first.
+    pub begins: Vec<f64>,
+    /// What passes counted ([`Graph::count`]), by name.
+    pub counts: Vec<(String, u64)>,
     pub dumps: Vec<Dump>,
     /// Pass, image, and how many of its texels are not finite; only those with some.
     pub non_finite: Vec<(&'static str, String, u32)>,
@@ -86,6 +91,11 @@ impl Engine {
         self.library.key(path)
     }
 
+    /// How many pipelines have been made so far.
+    pub fn pipelines_made(&self) -> usize {
+        self.pipelines.len()
+    }
+
     /// Compiles the graph's shaders and makes its pipelines, so that no frame has to.
     pub fn prepare(&mut self, graph: &Graph) -> Result<()> {
         check::order(graph)?;
@@ -114,6 +124,7 @@ impl Engine {
 
     /// Runs a frame and waits for it.
     pub fn execute(&mut self, graph: &Graph, execution: &Execution) -> Result<FrameOutcome> {
+        let preparing = trace::span("preparing");
         self.prepare(graph)?;
         self.pool.begin();
         let placed = self.place(graph)?;
@@ -129,7 +140,8 @@ impl Engine {
             };
             let mut dump = Vec::new();
             if execution.dump.iter().any(|name| name == pass.name) {
-                for resource in pass.written() {
+                // Counts are in the outcome as it is.
+                for resource in pass.written().into_iter().filter(|resource| !graph.is_count(*resource)) {
                     let name = format!("dump {} {}", pass.name, graph.name(resource));
                     dump.push((resource, self.read_back_buffer(graph, resource, &name)?));
                 }
@@ -152,10 +164,20 @@ impl Engine {
         for (i, resource) in graph.read_backs.iter().enumerate() {
             read_backs.push((*resource, self.read_back_buffer(graph, *resource, &format!("read back {i}"))?));
         }
+        let counts: Vec<Resource> = graph.slots.iter().map(|slot| slot.resource).filter(|resource| graph.is_count(*resource)).collect();
+        for resource in &counts {
+            let name = format!("read back {}", graph.name(*resource));
+            read_backs.push((*resource, self.read_back_buffer(graph, *resource, &name)?));
+        }
         let crumbs = self.pool.buffer(&mut self.gpu, "breadcrumbs", 4 * graph.passes.len().max(1) as u64, BufferKind::ReadBack)?;
-        let times = run(&mut self.gpu, &ready, execution.timing, &placed, checker, crumbs, &read_backs)?;
+        drop(preparing);
+        let timed = run(&mut self.gpu, &ready, execution.timing, &placed, checker, crumbs, &read_backs)?;
+        for ((pass, ms), begin) in timed.times.iter().zip(&timed.begins) {
+            trace::pass(pass, timed.submitted, *begin, *ms);
+        }
 
-        let mut outcome = FrameOutcome { times, ..FrameOutcome::default() };
+        let _span = trace::span("reading back");
+        let mut outcome = FrameOutcome { times: timed.times, begins: timed.begins, ..FrameOutcome::default() };
         for ready in &ready {
             for (resource, buffer) in &ready.dump {
                 let bytes = self.gpu.read_buffer(*buffer).to_vec();
@@ -175,14 +197,19 @@ impl Engine {
             let found = checked.into_iter().zip(words).filter(|(_, count)| *count > 0);
             outcome.non_finite = found.map(|((pass, image), count)| (pass, image, count)).collect();
         }
+        let (read_backs, counted) = read_backs.split_at(graph.read_backs.len());
         outcome.read = read_backs.iter().map(|(_, buffer)| self.gpu.read_buffer(*buffer).to_vec()).collect();
+        for (resource, buffer) in counted {
+            let count: u32 = bytemuck::pod_read_unaligned(&self.gpu.read_buffer(*buffer)[..4]);
+            outcome.counts.push((graph.name(*resource).to_owned(), u64::from(count)));
+        }
         self.pool.trim(&mut self.gpu);
         Ok(outcome)
     }
 
     /// Lends every resource of the graph its memory; usage flags come from how the passes use it.
     fn place(&mut self, graph: &Graph) -> Result<Placed> {
-        let mut placed = Placed { images: HashMap::new(), buffers: HashMap::new() };
+        let mut placed = Placed { images: HashMap::new(), buffers: HashMap::new(), counts: Vec::new() };
         let (mut indices, mut wanted) = (Vec::new(), Vec::new());
         for (index, slot) in graph.slots.iter().enumerate() {
             match (slot.resource, &slot.source) {
@@ -191,6 +218,11 @@ impl Engine {
                 }
                 (_, Source::ImportedImage(id) | Source::KeptImage(id)) => {
                     placed.images.insert(index, *id);
+                }
+                (_, Source::Counted) => {
+                    let id = self.pool.buffer(&mut self.gpu, &slot.name, 4, BufferKind::Device)?;
+                    placed.counts.push(id);
+                    placed.buffers.insert(index, id);
                 }
                 (Resource::Buffer(buffer), Source::Transient) => {
                     let bytes = graph.buffer_bytes(buffer);
@@ -275,13 +307,7 @@ impl Engine {
     }
 
     fn read_back_buffer(&mut self, graph: &Graph, resource: Resource, name: &str) -> Result<BufferId> {
-        let bytes = match resource {
-            Resource::Image(image) => {
-                image.size[0] as u64 * u64::from(image.size[1]) * u64::from(image.layers) * image.format.texel_bytes() as u64
-            }
-            Resource::Buffer(buffer) => graph.buffer_bytes(buffer),
-        };
-        self.pool.buffer(&mut self.gpu, name, bytes, BufferKind::ReadBack)
+        self.pool.buffer(&mut self.gpu, name, graph.bytes(resource), BufferKind::ReadBack)
     }
 
     /// The pipeline that counts texels which are not finite, and where it counts them.

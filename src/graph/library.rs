@@ -3,6 +3,7 @@
 use crate::cache;
 use crate::fail;
 use crate::gpu::{Shader, ShaderStage};
+use crate::trace;
 use anyhow::{Context, Result, anyhow};
 use include_dir::{Dir, include_dir};
 use rayon::prelude::*;
@@ -63,6 +64,7 @@ impl Library {
     }
 
     fn make(&self, path: &str) -> Result<Shader> {
+        let _span = trace::span(format_args!("shader {path}"));
         let stage = match path.rsplit_once('.').map(|(_, extension)| extension) {
             Some("vert") => ShaderStage::Vertex,
             Some("frag") => ShaderStage::Fragment,
@@ -73,6 +75,7 @@ impl Library {
         let words = match cache::user().read("spirv", &key) {
             Some(bytes) => bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect(),
             None => {
+                let _span = trace::span(format_args!("compiling {path}"));
                 let words = self.compile(path, stage)?;
                 let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
                 // Without a cache every start compiles anew, and nothing else changes.

@@ -7,6 +7,7 @@
 mod check;
 mod engine;
 mod library;
+mod memory;
 mod pass;
 mod pipelines;
 pub mod plan;
@@ -80,6 +81,8 @@ enum Source {
     Transient,
     /// Filled by the host before the frame begins.
     Uploaded(Vec<u8>),
+    /// A word from the pool, 0 when the frame begins and read back when it ends.
+    Counted,
     ImportedBuffer(BufferId),
     ImportedImage(ImageId),
     /// Outlives the frame, and passes may write it.
@@ -100,6 +103,7 @@ pub struct Graph {
     slots: Vec<Slot>,
     passes: Vec<Pass>,
     read_backs: Vec<Resource>,
+    warming_up: bool,
 }
 
 /// A resource that the host gets after the frame; see [`FrameOutcome::bytes`].
@@ -109,6 +113,17 @@ pub struct ReadBack(usize);
 impl Graph {
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// A frame to warm up with: scenes draw a triangle of every kind that no view sees, so that no later frame of a path has to make
+    /// a pipeline, or is the first to use one, which is when some drivers compile it.
+    pub fn warming_up() -> Self {
+        Self { warming_up: true, ..Self::default() }
+    }
+
+    /// Whether the frame is one to warm up with.
+    pub fn is_warming_up(&self) -> bool {
+        self.warming_up
     }
 
     fn add(&mut self, name: &str, resource: Resource, element: Option<Element>, source: Source) {
@@ -139,6 +154,15 @@ impl Graph {
         let buffer = Buffer { index: self.slots.len() as u32, count: elements.len() as u32 };
         let bytes = bytemuck::cast_slice(elements).to_vec();
         self.add(name, buffer.into(), Some(Element::of::<T>()), Source::Uploaded(bytes));
+        buffer
+    }
+
+    /// A number that is 0 when the frame begins and that passes add to, whole numbers by atomics, so that their order changes
+    /// nothing; a shader's block has it as its one `uint`, and the pass [`updates`](ComputePass::updates) it. It comes back in
+    /// [`FrameOutcome::counts`].
+    pub fn count(&mut self, name: &str) -> Buffer {
+        let buffer = Buffer { index: self.slots.len() as u32, count: 1 };
+        self.add(name, buffer.into(), Some(Element::of::<u32>()), Source::Counted);
         buffer
     }
 
@@ -182,6 +206,10 @@ impl Graph {
     /// The passes' names, in order.
     pub fn pass_names(&self) -> impl Iterator<Item = &'static str> {
         self.passes.iter().map(|pass| pass.name)
+    }
+
+    fn is_count(&self, resource: Resource) -> bool {
+        matches!(self.slots[resource.index()].source, Source::Counted)
     }
 
     fn name(&self, resource: Resource) -> &str {

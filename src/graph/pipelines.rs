@@ -5,6 +5,7 @@ use super::check;
 use super::engine::Engine;
 use super::pass::{DrawList, Pass, Work};
 use crate::gpu::{PipelineId, RasterState, Shader};
+use crate::trace;
 use anyhow::{Result, bail};
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -54,6 +55,7 @@ impl Engine {
     }
 
     fn make_pipeline(&mut self, pass: &Pass, key: &PipelineKey) -> Result<PipelineId> {
+        let _span = trace::span(format_args!("pipeline of {}", pass.name));
         let ids = |shader: &Shader| -> Vec<(u32, u32)> {
             let id = |name: &str| shader.constants.iter().find(|(known, _)| known == name).map(|(_, id)| *id);
             key.constants.iter().filter_map(|(name, value)| Some((id(name)?, *value))).collect()

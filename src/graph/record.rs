@@ -30,6 +30,18 @@ pub(super) struct Step {
 pub(super) struct Placed {
     pub images: HashMap<usize, ImageId>,
     pub buffers: HashMap<usize, BufferId>,
+    /// Those of the buffers that count, and so start at 0.
+    pub counts: Vec<BufferId>,
+}
+
+/// How long passes took, and when they ran.
+pub(super) struct Timed {
+    /// Milliseconds of each pass.
+    pub times: Vec<(&'static str, f64)>,
+    /// When each began, milliseconds after the first.
+    pub begins: Vec<f64>,
+    /// When the host handed the first of them to the driver, which is just before it began.
+    pub submitted: Instant,
 }
 
 crate::shader_struct! {
@@ -40,7 +52,7 @@ crate::shader_struct! {
     }
 }
 
-/// Runs passes and gives the time of each in milliseconds.
+/// Runs passes and waits for them.
 pub(super) fn run(
     gpu: &mut Gpu,
     ready: &[Ready<'_>],
@@ -49,7 +61,7 @@ pub(super) fn run(
     checker: Option<(PipelineId, BufferId)>,
     crumbs: BufferId,
     read_backs: &[(Resource, BufferId)],
-) -> Result<Vec<(&'static str, f64)>> {
+) -> Result<Timed> {
     // The recorder borrows the device, so what it looks up there is looked up first.
     let local_sizes: Vec<[u32; 3]> = ready.iter().map(|r| r.steps.first().map_or([1; 3], |step| gpu.local_size(step.pipeline))).collect();
     gpu.write_upload_buffer(crumbs, &vec![0; 4 * ready.len()]);
@@ -61,6 +73,7 @@ pub(super) fn run(
     let prologue = |commands: &mut Commands<'_>| {
         let counts = ready.iter().map(|r| r.check.len()).sum::<usize>();
         checker.iter().for_each(|(_, buffer)| (0..counts).for_each(|i| commands.fill_word(*buffer, 4 * i as u64, 0)));
+        placed.counts.iter().for_each(|count| commands.fill_word(*count, 0, 0));
         commands.barrier(&Barrier::FULL);
     };
     let epilogue = |commands: &mut Commands<'_>| {
@@ -96,8 +109,10 @@ pub(super) fn run(
         }),
         Timing::Serial => Ok(()),
     };
-    let serial = |gpu: &mut Gpu| -> Result<Vec<f64>> {
+    // Begin and time of each pass, and when the first was submitted.
+    let serial = |gpu: &mut Gpu| -> Result<(Vec<[f64; 2]>, Instant)> {
         gpu.submit("a frame", prologue)?;
+        let first = Instant::now();
         let mut times = Vec::with_capacity(ready.len());
         for (i, pass) in ready.iter().enumerate() {
             let start = Instant::now();
@@ -105,22 +120,23 @@ pub(super) fn run(
                 record_pass(commands, i);
                 commands.barrier(&Barrier::FULL);
             })?;
-            times.push(start.elapsed().as_secs_f64() * 1e3);
+            times.push([start.duration_since(first), start.elapsed()].map(|time| time.as_secs_f64() * 1e3));
             gpu.submit(pass.pass.name, |commands| after_pass(commands, i))?;
         }
         gpu.submit("a frame", epilogue)?;
-        Ok(times)
+        Ok((times, first))
     };
-    let times = result.and_then(|()| match timing {
+    let timed = result.and_then(|()| match timing {
         Timing::Serial => serial(gpu),
         // A graph may only bring back what it kept.
-        _ if ready.is_empty() => Ok(Vec::new()),
+        _ if ready.is_empty() => Ok((Vec::new(), gpu.submitted())),
         _ => {
             let stamps = gpu.timestamps(4 * ready.len() as u32)?;
-            Ok((0..ready.len()).map(|i| stamps[4 * i + 2] - stamps[4 * i]).collect())
+            let times = (0..ready.len()).map(|i| [stamps[4 * i], stamps[4 * i + 2] - stamps[4 * i]]);
+            Ok((times.collect(), gpu.submitted()))
         }
     });
-    let times = match times {
+    let (times, submitted) = match timed {
         // Where passes overlap, one that has left its mark may not be the last.
         Err(error) if exit_code(&error) == Exit::DeviceLost && timing == Timing::Overlapped => {
             return Err(error).context("rendering (--timing serial would tell which pass was the last)");
@@ -132,7 +148,11 @@ pub(super) fn run(
         }
         other => other?,
     };
-    Ok(ready.iter().map(|r| r.pass.name).zip(times).collect())
+    Ok(Timed {
+        times: ready.iter().zip(&times).map(|(ready, [_, ms])| (ready.pass.name, *ms)).collect(),
+        begins: times.iter().map(|[begin, _]| *begin).collect(),
+        submitted,
+    })
 }
 
 /// What a pass touches, for the plan.

@@ -1,7 +1,7 @@
 //! `run.json`: what was rendered, on what, and what came of it.
 
 use super::file::write_file;
-use crate::report::{Provenance, Timings};
+use crate::report::{Memory, Provenance, Timings};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use serde_json::Value;
@@ -22,6 +22,8 @@ pub struct RunReport {
     pub timings: Timings,
     /// What passes counted in the last frame: triangles drawn, VPLs, look-ups.
     pub counts: BTreeMap<String, u64>,
+    /// Bytes of the resources of the last frame's own, each and by stage.
+    pub memory: Memory,
     /// What was checked, by name, and what came of it (`{"check-nan": {"gather/per-pixel": 0}}`).
     pub checks: BTreeMap<String, Value>,
     /// Every warning that was printed.
@@ -33,14 +35,18 @@ pub struct RunReport {
 }
 
 impl RunReport {
-    /// Writes the report as JSON, indented, keys in a fixed order.
+    /// Writes the report as JSON.
     ///
     /// # Errors
     /// `OutputNotWritten` with the path and the reason; no file is left then.
     pub fn write(&self, path: &Path) -> Result<()> {
-        let mut json = serde_json::to_vec_pretty(self).context("run.json cannot be put together")?;
-        json.push(b'\n');
-        write_file(path, &json)
+        write_file(path, self.json()?.as_bytes())
+    }
+
+    /// The report as JSON, indented, keys in a fixed order.
+    pub fn json(&self) -> Result<String> {
+        let json = serde_json::to_string_pretty(self).context("run.json cannot be put together")?;
+        Ok(json + "\n")
     }
 }
 
@@ -59,6 +65,7 @@ mod tests {
             warmup: 2,
             timings: Timings::of(&times(&[(0, "gbuffer/draw", 1.0), (1, "gbuffer/draw", 2.0)])),
             counts: [("gather/vpls".to_owned(), 1024)].into(),
+            memory: Memory::of(&[("rsm/depth".to_owned(), 16), ("rsm/flux".to_owned(), 64)]),
             checks: [("check-nan".to_owned(), json!({ "gather/per-pixel": 0 }))].into(),
             warnings: vec!["unused extension".into()],
             peak_memory_bytes: Some(1 << 30),
@@ -89,6 +96,7 @@ mod tests {
                 "warmup": 2,
                 "timings": { "stages": [named("gbuffer")], "passes": [named("gbuffer/draw")], "total": statistics },
                 "counts": { "gather/vpls": 1024 },
+                "memory": { "resources": { "rsm/depth": 16, "rsm/flux": 64 }, "stages": { "rsm": 80 } },
                 "checks": { "check-nan": { "gather/per-pixel": 0 } },
                 "warnings": ["unused extension"],
                 "peak_memory_bytes": 1_u64 << 30,

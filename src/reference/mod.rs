@@ -71,6 +71,8 @@ pub struct Tracer {
     settings: Settings,
     sums: ImageId,
     samples: u32,
+    /// Bytes of what the last submission had, by name.
+    memory: Vec<(String, u64)>,
     /// Rows of pixels that the next submission traces; it adapts itself to the device.
     pub rows_at_once: u32,
 }
@@ -148,6 +150,7 @@ impl Tracer {
             settings,
             sums: image,
             samples: sums.samples,
+            memory: Vec::new(),
             rows_at_once: 8,
         })
     }
@@ -155,6 +158,11 @@ impl Tracer {
     /// Paths that each pixel has had.
     pub fn samples(&self) -> u32 {
         self.samples
+    }
+
+    /// Bytes of every resource of the tracer's own, by name, as of its last sample.
+    pub fn memory(&self) -> &[(String, u64)] {
+        &self.memory
     }
 
     fn sums_size(&self) -> ([u32; 2], u32) {
@@ -178,14 +186,14 @@ impl Tracer {
         Ok((rays, ms))
     }
 
-    fn rows(&self, renderer: &mut Renderer, execution: &Execution, first_row: u32, rows: u32) -> Result<(u64, f64)> {
+    fn rows(&mut self, renderer: &mut Renderer, execution: &Execution, first_row: u32, rows: u32) -> Result<(u64, f64)> {
         let mut g = Graph::new();
         let Some(traced) = renderer.traced_scene() else { unreachable!("the scene was brought without what rays need") };
         let scene = traced.import(&mut g);
         let mut lights = vec![Projector::zeroed(); Projector::MAX];
         lights[..self.lights.len()].copy_from_slice(&self.lights);
-        let lights = g.upload("lights", &lights);
-        let view = g.upload("view", &[self.view]);
+        let lights = g.upload("reference/lights", &lights);
+        let view = g.upload("reference/view", &[self.view]);
         let counter = g.upload("reference/rays", &[0u32; 2]);
         let (size, layers) = self.sums_size();
         let sums = g.keep_image("reference/sums", self.sums, Format::Rgba32Float, size, layers);
@@ -216,6 +224,7 @@ impl Tracer {
             })
             .dispatch([self.view.width, rows, 1]);
         let counted = g.read_back(counter);
+        self.memory = g.memory();
         let outcome = renderer.engine().execute(&g, execution)?;
         let [rays, unfinished] = bytemuck::pod_read_unaligned::<[u32; 2]>(outcome.bytes(counted));
         if unfinished != 0 {
@@ -246,7 +255,7 @@ impl Tracer {
         let mut g = Graph::new();
         let Some(traced) = renderer.traced_scene() else { unreachable!("the scene was brought without what rays need") };
         let scene = traced.import(&mut g);
-        let view = g.upload("view", &[self.view]);
+        let view = g.upload("reference/view", &[self.view]);
         let (size, _) = self.sums_size();
         let normals = g.image("reference/normals", Format::Rgba32Float, size);
         let positions = g.image("reference/positions", Format::Rgba32Float, size);
@@ -264,7 +273,7 @@ impl Tracer {
     }
 
     /// Compiles the shaders and makes the pipelines.
-    pub fn prepare(&self, renderer: &mut Renderer) -> Result<()> {
+    pub fn prepare(&mut self, renderer: &mut Renderer) -> Result<()> {
         self.rows(renderer, &Execution::default(), self.view.height, 1).map(|_| ())
     }
 

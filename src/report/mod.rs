@@ -1,15 +1,19 @@
-//! Figures: the times of passes, their statistics, and the table, the CSV and the page that show them.
+//! Figures: the times of passes, their statistics, what frames take, and the tables, the line, the CSV and the page that show them.
 //!
 //! A figure never travels without its [`Provenance`].
 
 mod csv;
 mod flicker;
 pub mod html;
+mod line;
+mod memory;
 mod statistics;
 mod table;
 
 pub use self::csv::timings_csv;
 pub use self::flicker::{FlickerLine, flicker_csv};
+pub use self::line::paste_line;
+pub use self::memory::{Memory, counts_table, memory_table};
 pub use self::statistics::{Row, Statistics, Timings};
 pub use self::table::timing_table;
 

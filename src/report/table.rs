@@ -7,7 +7,7 @@ use std::fmt::Write;
 pub fn timing_table(times: &[PassTime], from: &Provenance, verbose: bool) -> String {
     let timings = Timings::of(times);
     let frames = timings.total.map_or(0, |total| total.n);
-    let mut rows = vec![["stage", "median", "p95", "share"].map(str::to_owned)];
+    let mut rows = vec![["stage", "median", "p5", "p95", "share"].map(str::to_owned)];
     for stage in &timings.stages {
         rows.push(cells(&stage.name, stage));
         if verbose {
@@ -19,28 +19,31 @@ pub fn timing_table(times: &[PassTime], from: &Provenance, verbose: bool) -> Str
         rows.push(cells("total", &Row { name: String::new(), ms, share: 1.0 }));
     }
     let mut text = caption(from, frames);
-    let widths: [usize; 4] = std::array::from_fn(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0));
+    let widths: [usize; 5] = std::array::from_fn(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0));
     for row in &rows {
         // Writing to a String cannot fail.
         let _ = write!(
             text,
-            "\n{:<name$}  {:>median$}  {:>p95$}  {:>share$}",
+            "\n{:<name$}  {:>median$}  {:>p5$}  {:>p95$}  {:>share$}",
             row[0],
             row[1],
             row[2],
             row[3],
+            row[4],
             name = widths[0],
             median = widths[1],
-            p95 = widths[2],
-            share = widths[3]
+            p5 = widths[2],
+            p95 = widths[3],
+            share = widths[4]
         );
     }
     text.push('\n');
     text
 }
 
-fn cells(name: &str, row: &Row) -> [String; 4] {
-    [name.to_owned(), format!("{:.3}", row.ms.median), format!("{:.3}", row.ms.p95), format!("{:.1} %", row.share * 100.0)]
+fn cells(name: &str, row: &Row) -> [String; 5] {
+    let [median, p5, p95] = [row.ms.median, row.ms.p5, row.ms.p95].map(|ms| format!("{ms:.3}"));
+    [name.to_owned(), median, p5, p95, format!("{:.1} %", row.share * 100.0)]
 }
 
 fn caption(from: &Provenance, frames: usize) -> String {
@@ -79,10 +82,10 @@ mod tests {
         let expected = "\
 ms a frame, isolated timing, 2 frames of 960x540, first-light, manylight 0.1.0
 llvmpipe (LLVM 15.0.6, 256 bits) [cpu], llvmpipe Mesa 22.3.6
-stage     median      p95    share
-gbuffer  110.000  119.000   88.0 %
-filter    15.000   19.500   12.0 %
-total    125.000  138.500  100.0 %
+stage     median       p5      p95    share
+gbuffer  110.000  101.000  119.000   88.0 %
+filter    15.000   10.500   19.500   12.0 %
+total    125.000  111.500  138.500  100.0 %
 ";
         assert_eq!(timing_table(&sample(), &provenance(), false), expected);
     }

@@ -170,7 +170,8 @@ impl DeviceScene {
     }
 
     /// What a raster pass draws, `instances` times: the parts of which `distance` knows one, nearer ones before farther ones as
-    /// far as buckets allow, so that what is hidden is not shaded.
+    /// far as buckets allow, so that what is hidden is not shaded. A frame to warm up with ([`Graph::warming_up`]) gets a triangle of
+    /// every bucket that has no such part.
     pub fn draw_lists(
         &self,
         g: &mut Graph,
@@ -183,6 +184,11 @@ impl DeviceScene {
         for bucket in &self.buckets {
             let part = |draw: &PlacedDraw| Some((distance(draw.bounds)?, DrawArguments { instance_count: instances, ..draw.arguments }));
             let mut parts: Vec<(f32, DrawArguments)> = bucket.draws.iter().filter_map(part).collect();
+            if parts.is_empty() && g.is_warming_up() {
+                // Not the pipeline alone: drivers that compile at the first use do so again for another texture's format.
+                let triangle = |draw: &PlacedDraw| DrawArguments { index_count: 3, instance_count: instances, ..draw.arguments };
+                parts.extend(bucket.draws.first().map(|draw| (f32::INFINITY, triangle(draw))));
+            }
             parts.sort_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((nearest, _)) = parts.first() {
                 drawn.push((*nearest, bucket, parts));

@@ -102,7 +102,7 @@ impl DeviceBvh {
     /// The hierarchy as this frame's resources.
     pub fn import(&self, g: &mut Graph) -> BvhHandles {
         BvhHandles {
-            data: g.upload("bvh", &[self.data]),
+            data: g.upload("scene/bvh", &[self.data]),
             nodes: self.nodes.import(g),
             triangles: self.triangles.import(g),
             masks: self.masks.import(g),

@@ -12,6 +12,7 @@ use crate::fail;
 use crate::gpu::{Format, Gpu, ImageId};
 use crate::graph::{Buffer, ComputePass, Graph, Image};
 use crate::shader_struct;
+use crate::trace;
 use anyhow::Result;
 use glam::{DVec3, Vec3};
 use std::time::Instant;
@@ -76,7 +77,9 @@ impl TracedScene {
     /// Builds what rays need of a scene and brings it to the device. Errors name the limit and the knob.
     pub fn upload(gpu: &mut Gpu, scene: &Scene) -> Result<Self> {
         let start = Instant::now();
+        let building = trace::span("building the hierarchy");
         let bvh = Bvh::build(scene);
+        drop(building);
         let build_ms = start.elapsed().as_millis() as u64;
         let (emitters, emitted_power) = emitters(scene, &bvh);
         Ok(Self {

@@ -26,7 +26,7 @@ pub struct GBuffer {
 pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, view: &View) -> GBuffer {
     let size = [view.width, view.height];
     let gbuffer = GBuffer {
-        view: g.upload("view", &[*view]),
+        view: g.upload("gbuffer/view", &[*view]),
         size,
         depth: g.image("gbuffer/depth", Format::Depth32, size),
         normal: g.image("gbuffer/normal", Format::Rg16Snorm, size),

@@ -43,7 +43,7 @@ pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &
     let mut block = vec![Projector::zeroed(); Projector::MAX];
     block[..lights.len()].copy_from_slice(lights);
     let rsm = Rsm {
-        lights: g.upload("lights", &block),
+        lights: g.upload("rsm/lights", &block),
         layers,
         kind: Projector::common_kind(lights),
         size,

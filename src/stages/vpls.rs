@@ -37,10 +37,11 @@ pub fn sample(g: &mut Graph, rsm: &Rsm, _gbuffer: &GBuffer, config: &VplsConfig)
     }
 }
 
-/// A regular pattern over each light's map, in the order of a fixed permutation.
+/// A regular pattern over each light's map, in the order of a fixed permutation. Counts `vpls/lit`, those that have flux.
 fn regular(g: &mut Graph, rsm: &Rsm, count: u32) -> Vpls {
     let vpls =
         Vpls { count, points: g.buffer::<VplPoint>("vpls/points", count), intensities: g.buffer::<[f32; 3]>("vpls/intensities", count) };
+    let lit = g.count("vpls/lit");
     g.compute("vpls/regular")
         .reads("lights", rsm.lights)
         .reads("rsm_depth", rsm.depth)
@@ -49,6 +50,7 @@ fn regular(g: &mut Graph, rsm: &Rsm, count: u32) -> Vpls {
         .reads("rsm_albedo", rsm.albedo)
         .writes("points", vpls.points)
         .writes("intensities", vpls.intensities)
+        .updates("lit", lit)
         .params(&RegularParams { size: rsm.size, lights: rsm.layers, count })
         .dispatch([count, 1, 1]);
     vpls

@@ -80,6 +80,36 @@ fn the_barriers_of_a_frame_are_enough_for_synchronization_validation() {
         assert_eq!(outcome.bytes(last), bytemuck::cast_slice::<u32, u8>(&[10; 64]), "{timing:?}");
         assert_eq!(outcome.bytes(again), bytemuck::cast_slice::<u32, u8>(&[7; 64]), "{timing:?}");
         assert_eq!(outcome.times.iter().map(|(pass, _)| *pass).collect::<Vec<_>>(), ["test/fill", "first", "second", "third", "again"]);
+        // On one clock, one after the other.
+        assert_eq!((outcome.begins.len(), outcome.begins[0] < 1.0), (5, true), "{:?}", outcome.begins);
+        for (i, next) in outcome.begins.iter().enumerate().skip(1) {
+            let end = outcome.begins[i - 1] + outcome.times[i - 1].1;
+            assert!(outcome.times[i - 1].1 >= 0.0 && end <= next + 1e-6, "{timing:?}: {:?} {:?}", outcome.begins, outcome.times);
+        }
+    }
+    finish(&engine.gpu);
+}
+
+const COUNT: &str = "layout(scalar) buffer Counted { uint count; } counted;\n\
+    void main() { if (gl_GlobalInvocationID.x % 3u == 0u) atomicAdd(counted.count, 2u); }\n";
+
+#[test]
+fn a_count_starts_at_0_in_every_frame_and_sums_what_all_passes_add() {
+    let mut engine = Engine::new(gpu(), library(&[("test/count.comp", COUNT)]));
+    let mut g = Graph::new();
+    let (both, second) = (g.count("test/both"), g.count("test/second"));
+    let _never = g.count("test/never");
+    g.compute("test/count").updates("counted", both).dispatch([640, 1, 1]);
+    g.compute("test/again").shader("test/count").updates("counted", both).dispatch([64, 1, 1]);
+    g.compute("test/other").shader("test/count").updates("counted", second).dispatch([64, 1, 1]);
+    // 214 and 22 of the invocations are multiples of 3.
+    let expected = [("test/both", 2 * (214 + 22)), ("test/second", 2 * 22), ("test/never", 0)];
+    for timing in [manylight::graph::Timing::Isolated, manylight::graph::Timing::Overlapped, manylight::graph::Timing::Serial] {
+        for _ in 0..2 {
+            let outcome = engine.execute(&g, &Execution { timing, dump: vec!["test/count".into()], ..Execution::default() }).unwrap();
+            assert_eq!(outcome.counts, expected.map(|(name, count)| (name.to_owned(), count)), "{timing:?}");
+            assert!(outcome.dumps.is_empty(), "a count is no resource to dump");
+        }
     }
     finish(&engine.gpu);
 }

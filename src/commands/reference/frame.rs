@@ -8,7 +8,8 @@ use crate::output::exr::Precision;
 use crate::output::{Layer as ExrLayer, RunReport, read_exr, write_exr, write_png};
 use crate::reference::{Features, Layer, Settings, Sums, Tracer, develop, save_sums};
 use crate::renderer::Renderer;
-use crate::report::{PassTime, Provenance, Timings, peak_memory_bytes};
+use crate::report::{Memory, PassTime, Provenance, Timings, peak_memory_bytes};
+use crate::trace;
 use anyhow::{Context, Result};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -57,6 +58,8 @@ pub struct Traced {
     pub times: Vec<PassTime>,
     /// [`Sums::relative_error`].
     pub error: f64,
+    /// Bytes of what a submission had, by name.
+    pub memory: Vec<(String, u64)>,
 }
 
 impl Run<'_> {
@@ -79,7 +82,7 @@ impl Run<'_> {
         }
         let samples = format!("samples: {}", before.samples);
         let is_of_them = read_exr(&files.exr).is_ok_and(|exr| exr.comments.lines().any(|line| line == samples));
-        Ok(is_of_them.then_some(Traced { samples: before.samples, rays: 0, seconds: 0.0, times: Vec::new(), error }))
+        Ok(is_of_them.then_some(Traced { samples: before.samples, rays: 0, seconds: 0.0, times: Vec::new(), error, memory: Vec::new() }))
     }
 
     /// Traces a frame until something says stop, and writes it: the sums last, so that whoever finds them finds the rest.
@@ -104,6 +107,7 @@ impl Run<'_> {
         let mut rays = 0;
         // A run that is stopped while it makes ready leaves one sample, so that there is something.
         while tracer.samples() < goal.spp && (tracer.samples() == 0 || !STOPPED.load(Ordering::Relaxed)) {
+            let _span = trace::span(format_args!("sample {}", tracer.samples()));
             let (traced, ms) = tracer.sample(renderer, self.execution)?;
             let frame = if self.is_sequence { settings.frame_index } else { tracer.samples() - 1 };
             times.push(PassTime { frame, pass: "reference/path".to_owned(), ms });
@@ -124,10 +128,11 @@ impl Run<'_> {
 
         self.progress.say("writing");
         let sums = tracer.sums(renderer)?;
+        let memory = tracer.memory().to_vec();
         tracer.free(renderer);
         self.write(&sums, &features, files)?;
         save_sums(&files.sums, identity, &sums)?;
-        Ok(Traced { samples: sums.samples, rays, seconds, times, error: sums.relative_error() })
+        Ok(Traced { samples: sums.samples, rays, seconds, times, error: sums.relative_error(), memory })
     }
 
     fn write(&self, sums: &Sums, features: &Features, files: &Files) -> Result<()> {
@@ -163,6 +168,7 @@ impl Run<'_> {
             warmup: 0,
             timings: Timings::of(&traced.times),
             counts: counts.map(|(name, count)| (name.to_owned(), count)).into(),
+            memory: Memory::of(&traced.memory),
             checks: self.checks(settings, traced.error),
             warnings: Vec::new(),
             peak_memory_bytes: peak_memory_bytes(),

@@ -3,7 +3,7 @@
 pub(super) mod frame;
 
 use super::progress::Progress;
-use super::{load_config, open, provenance};
+use super::{load_config, open, prepare_trace, provenance};
 use crate::cli::ReferenceArgs;
 use crate::config::Config;
 use crate::fail;
@@ -12,6 +12,7 @@ use crate::output::{RunReport, prepare_folder, write_file};
 use crate::reference::{Settings, identity, load_sums, scene_digest};
 use crate::renderer::{Renderer, timing};
 use crate::report::timings_csv;
+use crate::trace;
 use anyhow::Result;
 use frame::{Files, Goal, Run, Traced};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,6 +25,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let config = load_config(&args.config, &args.overrides())?;
     let folder = args.output();
     prepare_folder(&folder)?;
+    prepare_trace(args.trace.as_deref())?;
     let _ = ctrlc::set_handler(|| {
         if STOPPED.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
@@ -63,6 +65,9 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
         ..run.record(&renderer, settings, &traced)?
     };
     report.write(&folder.join("run.json"))?;
+    if let Some(path) = &args.trace {
+        trace::finish(path, &report.from)?;
+    }
     progress.end();
 
     println!("{}", folder.join("image.png").display());
