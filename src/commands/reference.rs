@@ -1,32 +1,44 @@
-//! `manylight reference CONFIG`: ground truth by path tracing, layer by layer, with its variance.
+//! `manylight reference CONFIG`: ground truth by path tracing, layer by layer, with its variance; of a frame or of all of them.
 
+mod frame;
+
+use self::frame::{Files, Run, Traced};
 use super::progress::Progress;
-use super::{load_config, open, provenance};
+use super::{load_config, no_frames, open, provenance};
 use crate::cli::ReferenceArgs;
 use crate::config::Config;
 use crate::fail;
 use crate::graph::Execution;
-use crate::output::exr::Precision;
-use crate::output::{Layer as ExrLayer, RunReport, prepare_folder, write_exr, write_file, write_png};
-use crate::reference::{Features, Layer, Settings, Sums, Tracer, develop, load_sums, save_sums};
+use crate::output::{FRAMES, RunReport, frame_file, prepare_folder, write_file};
+use crate::reference::{Settings, load_sums};
 use crate::renderer::{Renderer, timing};
 use crate::report::{PassTime, Timings, peak_memory_bytes, timings_csv};
 use crate::scene::Scene;
 use anyhow::{Context, Result};
+use serde_json::json;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
 
 /// Set by the first Ctrl-C; the second one ends the program at once.
 static STOPPED: AtomicBool = AtomicBool::new(false);
 
-/// What has been traced is kept so often, so that a run that is cut off loses no more.
-const KEPT_EVERY: Duration = Duration::from_secs(60);
+/// The folder of the sums of a sequence's frames in that of a run.
+const SUMS: &str = "sums";
 
 /// Traces until something says stop, and writes everything.
 pub fn run(args: &ReferenceArgs) -> Result<()> {
     let config = load_config(&args.config, &args.overrides())?;
     let folder = args.output();
+    let frames: Vec<u32> = match args.sequence.sequence {
+        true => args.sequence.frames(config.frame.count).collect(),
+        false => vec![args.frame.unwrap_or(config.frame.count - 1)],
+    };
+    let Some(last_frame) = frames.last().copied() else { return Err(no_frames(&config)) };
     prepare_folder(&folder)?;
+    if args.sequence.sequence {
+        prepare_folder(&folder.join(FRAMES))?;
+        prepare_folder(&folder.join(SUMS))?;
+    }
     let _ = ctrlc::set_handler(|| {
         if STOPPED.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
@@ -36,85 +48,86 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     progress.say("loading the scene");
     let (gpu, scene, warnings) = open(&config, args.device.as_ref(), args.validate)?;
     warnings.iter().for_each(|warning| progress.warn(warning));
-    let settings = Settings {
-        bounces: args.bounces,
-        frame_index: args.frame.unwrap_or(config.frame.count - 1),
-        min_distance: if args.min_distance { config.gather.min_distance } else { 0.0 },
-        centered: args.centers,
-    };
     progress.say("building the hierarchy");
-    let of_scene = identity(&config, settings, &scene);
+    let of_scene = Identity::of(&config, &scene);
     let mut renderer = Renderer::traced(gpu, scene)?;
-    let identity = format!("{of_scene}-{}", renderer.engine().shader_key("reference/path.comp")?.to_hex());
-    let kept = folder.join("sums.exr");
-    let before = if args.resume { Some(load_sums(&kept, &identity, config.frame.size, args.bounces)?) } else { None };
-    let mut tracer = Tracer::new(&mut renderer, &config, settings, before.as_ref())?;
-    progress.say("preparing the shaders");
-    tracer.prepare(&mut renderer)?;
-    // Whatever the end of the run needs is needed once before, so that it does not fail for want of memory after hours.
-    let features = tracer.features(&mut renderer)?;
-    tracer.sums(&mut renderer)?;
-
+    let shader = renderer.engine().shader_key("reference/path.comp")?.to_hex();
     let execution = Execution { timing: timing(&config, &renderer.gpu().adapter), ..Execution::default() };
-    let (start, mut kept_at) = (Instant::now(), Instant::now());
-    let mut times = Vec::new();
-    let mut rays = 0;
-    // A run that is stopped while it makes ready leaves one sample, so that there is something.
-    while tracer.samples() < args.spp && (tracer.samples() == 0 || !STOPPED.load(Ordering::Relaxed)) {
-        let (traced, ms) = tracer.sample(&mut renderer, &execution)?;
-        times.push(PassTime { frame: tracer.samples() - 1, pass: "reference/path".to_owned(), ms });
-        rays += traced;
-        progress.samples(u64::from(tracer.samples()), u64::from(args.spp), rays as f64 / start.elapsed().as_secs_f64());
-        if args.time.is_some_and(|seconds| start.elapsed().as_secs_f64() >= seconds) {
+    let from = provenance(&args.config, &config, &renderer);
+    let run = Run { args, config: &config, execution: &execution, progress: &progress, from };
+
+    let mut traced: Vec<(u32, Traced)> = Vec::new();
+    for frame in frames.iter().copied() {
+        // The first frame of a run that is stopped while it makes ready is begun nonetheless.
+        if !traced.is_empty() && STOPPED.load(Ordering::Relaxed) {
             break;
         }
-        let enough = |error: f64| args.target_error.is_some_and(|target| error <= target);
-        if args.target_error.is_some() && is_checked(tracer.samples()) && enough(tracer.sums(&mut renderer)?.relative_error()) {
-            break;
+        let settings = Settings {
+            bounces: args.bounces,
+            frame_index: frame,
+            min_distance: if args.min_distance { config.gather.min_distance } else { 0.0 },
+            centered: args.centers,
+        };
+        let identity = format!("{}-{shader}", of_scene.with(settings));
+        let files = files(&folder, args.sequence.sequence.then_some(frame));
+        // A frame of a sequence may not have been begun; a run of one frame that cannot go on is a mistake.
+        let resumes = args.resume && (!args.sequence.sequence || files.sums.exists());
+        let before = if resumes { Some(load_sums(&files.sums, &identity, config.frame.size, args.bounces)?) } else { None };
+        let finished = match &before {
+            Some(before) if args.sequence.sequence => run.finished(&files, before)?,
+            _ => None,
+        };
+        let skipped = finished.is_some();
+        let of_frame = match finished {
+            Some(finished) => finished,
+            None => run.trace(&mut renderer, settings, &identity, before.as_ref(), &files)?,
+        };
+        if args.sequence.sequence && !args.quiet {
+            let how = if skipped { "done before" } else { "traced" };
+            progress.print(&format!("{frame:04}  {} samples, standard error {}, {how}", of_frame.samples, percent(of_frame.error)));
         }
-        if kept_at.elapsed() >= KEPT_EVERY {
-            save_sums(&kept, &identity, &tracer.sums(&mut renderer)?)?;
-            kept_at = Instant::now();
+        traced.push((frame, of_frame));
+    }
+    // A part of a sequence with its last frame leaves it as the whole sequence does.
+    let leaves_image = args.sequence.sequence && last_frame + 1 == config.frame.count && traced.len() == frames.len();
+    if leaves_image {
+        for ending in ["exr", "png"] {
+            copy(&frame_file(&folder.join(FRAMES), last_frame, ending), &folder.join("image").with_extension(ending))?;
         }
     }
-    let seconds = start.elapsed().as_secs_f64();
 
-    progress.say("writing");
-    let sums = tracer.sums(&mut renderer)?;
-    let from = provenance(&args.config, &config, &renderer);
-    let [width, height] = sums.size;
-    let metadata = [
-        ("version", from.version.clone()),
-        ("preset", from.preset.clone()),
-        ("device", from.device.name.clone()),
-        ("samples", sums.samples.to_string()),
-    ];
-    save_sums(&kept, &identity, &sums)?;
-    write_exr(&folder.join("image.exr"), width, height, layers(&sums, &features), &metadata)?;
-    write_png(&folder.join("image.png"), width, height, &develop(&sums, &config.compose))?;
-    write_file(&folder.join("timings.csv"), &timings_csv(&times, &from)?)?;
-    let error = sums.relative_error();
+    let times: Vec<PassTime> = traced.iter().flat_map(|(_, frame)| frame.times.iter().cloned()).collect();
+    write_file(&folder.join(args.sequence.file_name("timings", "csv")), &timings_csv(&times, &run.from)?)?;
     let messages = renderer.gpu().validation_messages();
     let mut checks = std::collections::BTreeMap::new();
     if args.validate {
-        checks.insert("validation".to_owned(), serde_json::json!(messages));
+        checks.insert("validation".to_owned(), json!(messages));
     }
     // JSON has no infinity: with one path a pixel, nothing is known.
-    checks.insert("relative-standard-error".to_owned(), serde_json::json!(error.is_finite().then_some(error)));
+    let known = |error: f64| error.is_finite().then_some(error);
+    if args.sequence.sequence {
+        let figures = |frame: &Traced| json!({ "samples": frame.samples, "relative-standard-error": known(frame.error) });
+        checks.insert("frames".to_owned(), traced.iter().map(|(frame, of_frame)| (format!("{frame:04}"), figures(of_frame))).collect());
+    }
+    let (samples, rays, seconds, error) = traced.iter().fold((u32::MAX, 0, 0.0, 0.0f64), |(samples, rays, seconds, error), (_, frame)| {
+        (samples.min(frame.samples), rays + frame.rays, seconds + frame.seconds, error.max(frame.error))
+    });
+    checks.insert("relative-standard-error".to_owned(), json!(known(error)));
+    let rays_a_second = rays as f64 / f64::max(seconds, 1e-9);
     let counts = [
-        ("reference/samples", u64::from(sums.samples)),
-        ("reference/bounces", u64::from(sums.bounces)),
+        ("reference/samples", u64::from(samples)),
+        ("reference/bounces", u64::from(args.bounces)),
         ("reference/rays", rays),
-        ("reference/rays-a-second", (rays as f64 / seconds.max(1e-9)) as u64),
-        ("reference/frame", u64::from(settings.frame_index)),
+        ("reference/rays-a-second", rays_a_second as u64),
+        ("reference/frame", u64::from(traced.last().map_or(last_frame, |(frame, _)| *frame))),
         ("scene/hierarchy-ms", renderer.traced_scene().map_or(0, |scene| scene.build_ms)),
         ("scene/triangles", renderer.device_scene().triangles),
         ("device/memory-bytes", renderer.gpu().memory_in_use()),
     ];
     let report = RunReport {
-        from,
+        from: run.from.clone(),
         seed: u64::from(config.frame.seed),
-        frames: times.len() as u32,
+        frames: if args.sequence.sequence { traced.len() } else { times.len() } as u32,
         warmup: 0,
         timings: Timings::of(&times),
         counts: counts.map(|(name, count)| (name.to_owned(), count)).into(),
@@ -123,17 +136,20 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
         peak_memory_bytes: peak_memory_bytes(),
         config: serde_json::to_value(&config).context("the config cannot be written as JSON")?,
     };
-    report.write(&folder.join("run.json"))?;
+    report.write(&folder.join(args.sequence.file_name("run", "json")))?;
     progress.end();
 
-    println!("{}", folder.join("image.png").display());
+    let shown = if args.sequence.sequence { folder.join(FRAMES) } else { folder.join("image.png") };
+    println!("{}", shown.display());
     if !args.quiet {
-        let known = if error.is_finite() { format!("{:.2} %", error * 100.0) } else { "unknown".to_owned() };
+        if traced.len() < frames.len() {
+            println!("stopped after {} of {} frames; --resume goes on", traced.len(), frames.len());
+        }
         println!(
-            "{} samples a pixel, {} bounces; standard error {known} of the mean; {rays} rays in {seconds:.1} s: {:.2} million a second on {} [{}]",
-            sums.samples,
-            sums.bounces,
-            rays as f64 / seconds.max(1e-9) / 1e6,
+            "{samples} samples a pixel, {} bounces; standard error {} of the mean; {rays} rays in {seconds:.1} s: {:.2} million a second on {} [{}]",
+            args.bounces,
+            percent(error),
+            rays_a_second / 1e6,
             report.from.device.name,
             report.from.device.kind
         );
@@ -144,47 +160,45 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     Ok(())
 }
 
-/// The error is looked at after 16 samples and then each time that there are a quarter more: at the same counts in every run.
-fn is_checked(samples: u32) -> bool {
-    let mut next = 16;
-    while next < samples {
-        next += next / 4;
-    }
-    next == samples
+fn percent(error: f64) -> String {
+    if error.is_finite() { format!("{:.2} %", error * 100.0) } else { "unknown".to_owned() }
 }
 
-/// What must be the same for a run to go on from an earlier one: a hash of the scene and of all that its light depends on.
-fn identity(config: &Config, settings: Settings, scene: &Scene) -> String {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(bytemuck::cast_slice(&scene.vertices)).update(bytemuck::cast_slice(&scene.indices));
-    for texture in &scene.textures {
-        hasher.update(&texture.texels);
+/// Where a run of one frame writes, or a frame of a sequence.
+fn files(folder: &Path, frame: Option<u32>) -> Files {
+    match frame {
+        None => Files { sums: folder.join("sums.exr"), exr: folder.join("image.exr"), png: folder.join("image.png") },
+        Some(frame) => {
+            let in_frames = |ending| frame_file(&folder.join(FRAMES), frame, ending);
+            Files { sums: frame_file(&folder.join(SUMS), frame, "exr"), exr: in_frames("exr"), png: in_frames("png") }
+        }
     }
-    let textures: Vec<_> = scene.textures.iter().map(|t| (t.width, t.height, t.srgb)).collect();
-    let rest = (&scene.draws, &scene.materials, textures, &scene.cameras, &scene.lights);
-    let config = (&config.camera, &config.light, &config.materials, config.frame.size, config.frame.fps, config.frame.seed);
-    hasher.update(format!("{rest:?} {config:?} {settings:?}").as_bytes());
-    hasher.finalize().to_hex().to_string()
 }
 
-/// The EXR's layers: those of a render, and the bounces one by one and the variance of the mean radiance.
-fn layers(sums: &Sums, features: &Features) -> Vec<ExrLayer> {
-    let flat = |texels: Vec<[f32; 4]>| texels.into_flattened();
-    let color = |name: &str, texels: Vec<[f32; 4]>| ExrLayer::interleaved(name, "RGB", 4, &flat(texels), Precision::Float);
-    let mut layers = vec![
-        ExrLayer::interleaved("", "RGBA", 4, &flat(sums.mean(Layer::Radiance)), Precision::Float),
-        color("direct", sums.mean(Layer::Direct)),
-        color("indirect", sums.indirect()),
-        color("irradiance", sums.mean(Layer::Irradiance)),
-        color("albedo", sums.mean(Layer::Albedo)),
-        ExrLayer::interleaved("N", "XYZ", 4, features.normals_and_distances.as_flattened(), Precision::Float),
-        ExrLayer::interleaved("P", "XYZ", 4, features.positions.as_flattened(), Precision::Float),
-    ];
-    let distances: Vec<f32> = features.normals_and_distances.iter().map(|texel| texel[3]).collect();
-    layers.push(ExrLayer::interleaved("", "Z", 1, &distances, Precision::Float));
-    layers.extend((1..=sums.bounces).map(|k| color(&format!("indirect.bounce{k}"), sums.mean(Layer::Bounce(k)))));
-    if sums.samples > 1 {
-        layers.push(ExrLayer::interleaved("variance", "RGB", 3, sums.variance().as_flattened(), Precision::Float));
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    let bytes = std::fs::read(from).map_err(|error| fail!(OutputNotWritten, "{}: cannot be read again ({error})", from.display()))?;
+    write_file(to, &bytes)
+}
+
+/// What must be the same for a run to go on from an earlier one: a hash of the scene and of all that its light depends on, to
+/// which a frame's settings are added.
+struct Identity(blake3::Hasher);
+
+impl Identity {
+    fn of(config: &Config, scene: &Scene) -> Self {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(bytemuck::cast_slice(&scene.vertices)).update(bytemuck::cast_slice(&scene.indices));
+        for texture in &scene.textures {
+            hasher.update(&texture.texels);
+        }
+        let textures: Vec<_> = scene.textures.iter().map(|t| (t.width, t.height, t.srgb)).collect();
+        let rest = (&scene.draws, &scene.materials, textures, &scene.cameras, &scene.lights);
+        let config = (&config.camera, &config.light, &config.materials, config.frame.size, config.frame.fps, config.frame.seed);
+        hasher.update(format!("{rest:?} {config:?} ").as_bytes());
+        Self(hasher)
     }
-    layers
+
+    fn with(&self, settings: Settings) -> String {
+        self.0.clone().update(format!("{settings:?}").as_bytes()).finalize().to_hex().to_string()
+    }
 }

@@ -1,0 +1,161 @@
+//! One frame of a reference: traced, kept, written.
+
+use super::STOPPED;
+use crate::cli::ReferenceArgs;
+use crate::commands::progress::Progress;
+use crate::config::Config;
+use crate::graph::Execution;
+use crate::output::exr::Precision;
+use crate::output::{Layer as ExrLayer, read_exr, write_exr, write_png};
+use crate::reference::{Features, Layer, Settings, Sums, Tracer, develop, save_sums};
+use crate::renderer::Renderer;
+use crate::report::{PassTime, Provenance};
+use anyhow::Result;
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+/// What has been traced is kept so often, so that a run that is cut off loses no more.
+const KEPT_EVERY: Duration = Duration::from_secs(60);
+
+/// Where a frame's files go.
+pub struct Files {
+    pub sums: PathBuf,
+    pub exr: PathBuf,
+    pub png: PathBuf,
+}
+
+/// What all frames of a run share.
+pub struct Run<'r> {
+    pub args: &'r ReferenceArgs,
+    pub config: &'r Config,
+    pub execution: &'r Execution,
+    pub progress: &'r Progress,
+    pub from: Provenance,
+}
+
+/// What came of a frame.
+pub struct Traced {
+    pub samples: u32,
+    pub rays: u64,
+    pub seconds: f64,
+    /// Of each sample that this run traced.
+    pub times: Vec<PassTime>,
+    /// [`Sums::relative_error`].
+    pub error: f64,
+}
+
+impl Run<'_> {
+    /// Whether a frame needs no more samples.
+    fn is_done(&self, samples: u32, error: impl FnOnce() -> Result<f64>) -> Result<bool> {
+        if samples >= self.args.spp {
+            return Ok(true);
+        }
+        match self.args.target_error {
+            Some(target) if is_checked(samples) => Ok(error()? <= target),
+            _ => Ok(false),
+        }
+    }
+
+    /// What an earlier run left of a frame, if it is all that this run would make: its sums, its pictures of as many samples.
+    pub fn finished(&self, files: &Files, before: &Sums) -> Result<Option<Traced>> {
+        let error = before.relative_error();
+        if !self.is_done(before.samples, || Ok(error))? || !files.png.is_file() || !files.exr.is_file() {
+            return Ok(None);
+        }
+        let samples = format!("samples: {}", before.samples);
+        let is_of_them = read_exr(&files.exr).is_ok_and(|exr| exr.comments.lines().any(|line| line == samples));
+        Ok(is_of_them.then_some(Traced { samples: before.samples, rays: 0, seconds: 0.0, times: Vec::new(), error }))
+    }
+
+    /// Traces a frame until something says stop, and writes it: the sums last, so that whoever finds them finds the rest.
+    pub fn trace(
+        &self,
+        renderer: &mut Renderer,
+        settings: Settings,
+        identity: &str,
+        before: Option<&Sums>,
+        files: &Files,
+    ) -> Result<Traced> {
+        let mut tracer = Tracer::new(renderer, self.config, settings, before)?;
+        self.progress.say("preparing the shaders");
+        tracer.prepare(renderer)?;
+        // Whatever the end of the run needs is needed once before, so that it does not fail for want of memory after hours.
+        let features = tracer.features(renderer)?;
+        tracer.sums(renderer)?;
+
+        let args = self.args;
+        let (start, mut kept_at) = (Instant::now(), Instant::now());
+        let mut times = Vec::new();
+        let mut rays = 0;
+        // A run that is stopped while it makes ready leaves one sample, so that there is something.
+        while tracer.samples() < args.spp && (tracer.samples() == 0 || !STOPPED.load(Ordering::Relaxed)) {
+            let (traced, ms) = tracer.sample(renderer, self.execution)?;
+            let frame = if args.sequence.sequence { settings.frame_index } else { tracer.samples() - 1 };
+            times.push(PassTime { frame, pass: "reference/path".to_owned(), ms });
+            rays += traced;
+            self.progress.samples(u64::from(tracer.samples()), u64::from(args.spp), rays as f64 / start.elapsed().as_secs_f64());
+            if args.time.is_some_and(|seconds| start.elapsed().as_secs_f64() >= seconds) {
+                break;
+            }
+            if self.is_done(tracer.samples(), || Ok(tracer.sums(renderer)?.relative_error()))? {
+                break;
+            }
+            if kept_at.elapsed() >= KEPT_EVERY {
+                save_sums(&files.sums, identity, &tracer.sums(renderer)?)?;
+                kept_at = Instant::now();
+            }
+        }
+        let seconds = start.elapsed().as_secs_f64();
+
+        self.progress.say("writing");
+        let sums = tracer.sums(renderer)?;
+        tracer.free(renderer);
+        self.write(&sums, &features, files)?;
+        save_sums(&files.sums, identity, &sums)?;
+        Ok(Traced { samples: sums.samples, rays, seconds, times, error: sums.relative_error() })
+    }
+
+    fn write(&self, sums: &Sums, features: &Features, files: &Files) -> Result<()> {
+        let [width, height] = sums.size;
+        let metadata = [
+            ("version", self.from.version.clone()),
+            ("preset", self.from.preset.clone()),
+            ("device", self.from.device.name.clone()),
+            ("samples", sums.samples.to_string()),
+        ];
+        write_exr(&files.exr, width, height, layers(sums, features), &metadata)?;
+        write_png(&files.png, width, height, &develop(sums, &self.config.compose))
+    }
+}
+
+/// The error is looked at after 16 samples and then each time that there are a quarter more: at the same counts in every run.
+fn is_checked(samples: u32) -> bool {
+    let mut next = 16;
+    while next < samples {
+        next += next / 4;
+    }
+    next == samples
+}
+
+/// The EXR's layers: those of a render, and the bounces one by one and the variance of the mean radiance.
+fn layers(sums: &Sums, features: &Features) -> Vec<ExrLayer> {
+    let flat = |texels: Vec<[f32; 4]>| texels.into_flattened();
+    let color = |name: &str, texels: Vec<[f32; 4]>| ExrLayer::interleaved(name, "RGB", 4, &flat(texels), Precision::Float);
+    let mut layers = vec![
+        ExrLayer::interleaved("", "RGBA", 4, &flat(sums.mean(Layer::Radiance)), Precision::Float),
+        color("direct", sums.mean(Layer::Direct)),
+        color("indirect", sums.indirect()),
+        color("irradiance", sums.mean(Layer::Irradiance)),
+        color("albedo", sums.mean(Layer::Albedo)),
+        ExrLayer::interleaved("N", "XYZ", 4, features.normals_and_distances.as_flattened(), Precision::Float),
+        ExrLayer::interleaved("P", "XYZ", 4, features.positions.as_flattened(), Precision::Float),
+    ];
+    let distances: Vec<f32> = features.normals_and_distances.iter().map(|texel| texel[3]).collect();
+    layers.push(ExrLayer::interleaved("", "Z", 1, &distances, Precision::Float));
+    layers.extend((1..=sums.bounces).map(|k| color(&format!("indirect.bounce{k}"), sums.mean(Layer::Bounce(k)))));
+    if sums.samples > 1 {
+        layers.push(ExrLayer::interleaved("variance", "RGB", 3, sums.variance().as_flattened(), Precision::Float));
+    }
+    layers
+}
