@@ -10,7 +10,8 @@ Each pixel is looked for in the next frame by its world position; what is hidden
 20 degrees there is left out. Flicker is the root mean square of the changes of luminance of those that are found, the
 temporal image difference of Barak, Bittner and Havran 2013. That of a walk is over all pixels of all its pairs.
 
-A gradient shows by up to half a pixel of it. What is left over a reference's own flicker is the method's.";
+A gradient shows by up to half a pixel of it, in a reference too: what is left over the reference's own flicker is the
+method's. The reference's noise counts as its flicker, so trace it until its standard error is well below.";
 
 #[derive(Debug, Clone, PartialEq, Args)]
 #[command(after_help = MEASURE)]

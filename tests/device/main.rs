@@ -4,6 +4,7 @@ mod bvh;
 mod common;
 mod direct;
 mod files;
+mod flicker;
 mod frames;
 mod functions;
 mod graph;

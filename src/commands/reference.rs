@@ -1,0 +1,176 @@
+//! `manylight reference CONFIG`: ground truth by path tracing, layer by layer, with its variance; of a frame or of all of them.
+
+pub(super) mod frame;
+
+use self::frame::{Files, Goal, Run, Traced};
+use super::progress::Progress;
+use super::{load_config, no_frames, open, prepare_trace, provenance};
+use crate::cli::ReferenceArgs;
+use crate::config::Config;
+use crate::fail;
+use crate::graph::Execution;
+use crate::output::{FRAMES, RunReport, frame_file, prepare_folder, write_file};
+use crate::reference::{Settings, identity, load_sums, scene_digest};
+use crate::renderer::{Renderer, timing};
+use crate::report::{PassTime, timings_csv};
+use crate::trace;
+use anyhow::Result;
+use serde_json::json;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Set by the first Ctrl-C; the second one ends the program at once.
+static STOPPED: AtomicBool = AtomicBool::new(false);
+
+/// The folder of the sums of a sequence's frames in that of a run.
+const SUMS: &str = "sums";
+
+/// Traces until something says stop, and writes everything.
+pub fn run(args: &ReferenceArgs) -> Result<()> {
+    let config = load_config(&args.config, &args.overrides())?;
+    let folder = args.output();
+    let frames: Vec<u32> = match args.sequence.sequence {
+        true => args.sequence.frames(config.frame.count).collect(),
+        false => vec![args.frame.unwrap_or(config.frame.count - 1)],
+    };
+    let Some(last_frame) = frames.last().copied() else { return Err(no_frames(&config)) };
+    prepare_folder(&folder)?;
+    prepare_trace(args.trace.as_deref())?;
+    if args.sequence.sequence {
+        prepare_folder(&folder.join(FRAMES))?;
+        prepare_folder(&folder.join(SUMS))?;
+    }
+    let _ = ctrlc::set_handler(|| {
+        if STOPPED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+    let progress = Progress::new(args.quiet);
+    progress.say("loading the scene");
+    let (gpu, scene, warnings) = open(&config, args.device.as_ref(), args.validate)?;
+    warnings.iter().for_each(|warning| progress.warn(warning));
+    progress.say("building the hierarchy");
+    let digest = scene_digest(&scene);
+    let mut renderer = Renderer::traced(gpu, scene)?;
+    let execution = Execution { timing: timing(&config, &renderer.gpu().adapter), ..Execution::default() };
+    let from = provenance(&args.config, &config, &renderer);
+    let goal = Goal { spp: args.spp, target_error: args.target_error, time: args.time };
+    let run = Run { goal, is_sequence: args.sequence.sequence, config: &config, execution: &execution, progress: &progress, from };
+
+    let mut traced: Vec<(u32, Traced)> = Vec::new();
+    for frame in frames.iter().copied() {
+        // The first frame of a run that is stopped while it makes ready is begun nonetheless.
+        if !traced.is_empty() && STOPPED.load(Ordering::Relaxed) {
+            break;
+        }
+        let settings = settings(args, &config, frame);
+        let identity = truth_identity(&mut renderer, &config, settings, &digest)?;
+        let files = files(&folder, args.sequence.sequence.then_some(frame));
+        // A frame of a sequence may not have been begun; a run of one frame that cannot go on is a mistake.
+        let resumes = args.resume && (!args.sequence.sequence || files.sums.exists());
+        let before = if resumes { Some(load_sums(&files.sums, &identity, config.frame.size, args.bounces)?) } else { None };
+        let finished = match &before {
+            Some(before) if args.sequence.sequence => run.finished(&files, before)?,
+            _ => None,
+        };
+        let skipped = finished.is_some();
+        let of_frame = match finished {
+            Some(finished) => finished,
+            None => run.trace(&mut renderer, settings, &identity, before.as_ref(), &files)?,
+        };
+        if args.sequence.sequence && !args.quiet {
+            let how = if skipped { "done before" } else { "traced" };
+            progress.print(&format!("{frame:04}  {} samples, standard error {}, {how}", of_frame.samples, percent(of_frame.error)));
+        }
+        traced.push((frame, of_frame));
+    }
+    // A part of a sequence with its last frame leaves it as the whole sequence does.
+    let leaves_image = args.sequence.sequence && last_frame + 1 == config.frame.count && traced.len() == frames.len();
+    if leaves_image {
+        for ending in ["exr", "png"] {
+            copy(&frame_file(&folder.join(FRAMES), last_frame, ending), &folder.join("image").with_extension(ending))?;
+        }
+    }
+
+    let times: Vec<PassTime> = traced.iter().flat_map(|(_, frame)| frame.times.iter().cloned()).collect();
+    write_file(&folder.join(args.sequence.file_name("timings", "csv")), &timings_csv(&times, &run.from)?)?;
+    let messages = renderer.gpu().validation_messages();
+    let mut checks = std::collections::BTreeMap::new();
+    if args.validate {
+        checks.insert("validation".to_owned(), json!(messages));
+    }
+    if args.sequence.sequence {
+        let figures =
+            |frame: &Traced| json!({ "samples": frame.samples, "relative-standard-error": frame.error.is_finite().then_some(frame.error) });
+        checks.insert("frames".to_owned(), traced.iter().map(|(frame, of_frame)| (format!("{frame:04}"), figures(of_frame))).collect());
+    }
+    let frames_made = if args.sequence.sequence { traced.len() } else { times.len() } as u32;
+    let last_made = traced.last().map_or(last_frame, |(frame, _)| *frame);
+    // Of several frames the least sure one speaks for all.
+    let whole = Traced {
+        samples: traced.iter().map(|(_, frame)| frame.samples).min().unwrap_or(0),
+        rays: traced.iter().map(|(_, frame)| frame.rays).sum(),
+        seconds: traced.iter().map(|(_, frame)| frame.seconds).sum(),
+        error: traced.iter().map(|(_, frame)| frame.error).fold(0.0, f64::max),
+        memory: traced.last().map(|(_, frame)| frame.memory.clone()).unwrap_or_default(),
+        times,
+    };
+    let record = run.record(&renderer, settings(args, &config, last_made), &whole)?;
+    let report = RunReport { frames: frames_made, checks: checks.into_iter().chain(record.checks).collect(), warnings, ..record };
+    let Traced { samples, rays, seconds, error, .. } = whole;
+    report.write(&folder.join(args.sequence.file_name("run", "json")))?;
+    if let Some(path) = &args.trace {
+        trace::finish(path, &report.from)?;
+    }
+    progress.end();
+
+    let shown = if args.sequence.sequence { folder.join(FRAMES) } else { folder.join("image.png") };
+    println!("{}", shown.display());
+    if !args.quiet {
+        if traced.len() < frames.len() {
+            println!("stopped after {} of {} frames; --resume goes on", traced.len(), frames.len());
+        }
+        println!(
+            "{samples} samples a pixel, {} bounces; standard error {} of the mean; {rays} rays in {seconds:.1} s: {:.2} million a second on {} [{}]",
+            args.bounces,
+            percent(error),
+            rays as f64 / f64::max(seconds, 1e-9) / 1e6,
+            report.from.device.name,
+            report.from.device.kind
+        );
+    }
+    if let Some(first) = messages.first() {
+        return Err(fail!(ComparisonFailed, "the validation layer has {} messages, the first: {first}", messages.len()));
+    }
+    Ok(())
+}
+
+fn percent(error: f64) -> String {
+    if error.is_finite() { format!("{:.2} %", error * 100.0) } else { "unknown".to_owned() }
+}
+
+/// Where a run of one frame writes, or a frame of a sequence.
+fn files(folder: &Path, frame: Option<u32>) -> Files {
+    match frame {
+        None => Files { sums: folder.join("sums.exr"), exr: folder.join("image.exr"), png: folder.join("image.png") },
+        Some(frame) => {
+            let in_frames = |ending| frame_file(&folder.join(FRAMES), frame, ending);
+            Files { sums: frame_file(&folder.join(SUMS), frame, "exr"), exr: in_frames("exr"), png: in_frames("png") }
+        }
+    }
+}
+
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    let bytes = std::fs::read(from).map_err(|error| fail!(OutputNotWritten, "{}: cannot be read again ({error})", from.display()))?;
+    write_file(to, &bytes)
+}
+
+fn settings(args: &ReferenceArgs, config: &Config, frame_index: u32) -> Settings {
+    let min_distance = if args.min_distance { config.gather.min_distance } else { 0.0 };
+    Settings { bounces: args.bounces, frame_index, min_distance, centered: args.centers }
+}
+
+/// As [`identity`], on a device's shaders.
+pub(super) fn truth_identity(renderer: &mut Renderer, config: &Config, settings: Settings, digest: &str) -> Result<String> {
+    Ok(format!("{}-{}", identity(config, settings, digest), renderer.engine().shader_key("reference/path.comp")?.to_hex()))
+}
