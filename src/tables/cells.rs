@@ -207,7 +207,7 @@ impl Source<'_> {
         let found = self.found(&what, row, column, &mut cell)?;
         match found {
             Ok(value) if value.is_finite() => cell.value = Some(value),
-            Ok(_) => cell.why = Some("is not a finite number".to_owned()),
+            Ok(_) => cell.why = Some("not a finite number".to_owned()),
             Err(why) => cell.why = Some(why),
         }
         Ok(cell)
@@ -228,13 +228,13 @@ impl Source<'_> {
         let (table, plan) = (self.table, self.plan);
         let run = plan.run(row, column);
         cell.run = Some(run.key.clone());
-        let Some(record) = self.records.get(run.key.as_str()) else { return Ok(Err("has not been run".to_owned())) };
+        let Some(record) = self.records.get(run.key.as_str()) else { return Ok(Err("its run is missing".to_owned())) };
         let own = run_folder(self.folder, run);
         Ok(match what {
             What::Time { of } => {
                 let Some(time) = timed(&record["timings"], of) else { return Ok(Err(format!("the frame has no {of}"))) };
                 (cell.p5, cell.p95, cell.n) = (time["p5"].as_f64(), time["p95"].as_f64(), time["n"].as_u64());
-                time["median"].as_f64().ok_or_else(|| "was not timed".to_owned())
+                time["median"].as_f64().ok_or_else(|| "not timed".to_owned())
             }
             What::Count { of } => record["counts"][of].as_f64().ok_or_else(|| format!("no pass counts {of}")),
             What::Memory { of } => memory(&record["memory"], of).ok_or_else(|| format!("the frame has no {of}")),
@@ -255,7 +255,7 @@ impl Source<'_> {
                     }
                 };
                 if !other.join(RECORD).is_file() {
-                    return Ok(Err("what it is measured against has not been run".to_owned()));
+                    return Ok(Err("the run that it is measured against is missing".to_owned()));
                 }
                 let key = (own.join(IMAGE), other.join(IMAGE), layer.label());
                 if !self.compared.contains_key(&key) {

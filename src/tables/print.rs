@@ -131,7 +131,7 @@ fn shown(cell: &Cell, is_cpu: bool) -> String {
     text
 }
 
-/// Three to four digits and the unit.
+/// Three digits or one after the point, and the unit.
 fn figure(value: f64, unit: &str) -> String {
     if unit == "bytes" {
         return format!("{} MB", digits(value / 1e6));
@@ -144,15 +144,15 @@ fn figure(value: f64, unit: &str) -> String {
 }
 
 fn digits(value: f64) -> String {
-    match value.abs() {
-        x if x == 0.0 => "0".to_owned(),
-        x if x >= 1e6 && value.fract() != 0.0 => format!("{value:.4e}"),
-        x if value.fract() == 0.0 && x < 1e15 => format!("{value}"),
-        x if x >= 100.0 => format!("{value:.1}"),
-        x if x >= 10.0 => format!("{value:.2}"),
-        x if x >= 0.01 => format!("{value:.3}"),
-        _ => format!("{value:.3e}"),
+    let size = value.abs();
+    if value.fract() == 0.0 && size < 1e15 {
+        return format!("{value}");
     }
+    if !(1e-3..1e6).contains(&size) {
+        return format!("{value:.2e}");
+    }
+    let decimals = (2 - size.log10().floor() as i32).max(1);
+    format!("{value:.*}", decimals as usize)
 }
 
 /// Where the figures come from, and what a reader must know.
@@ -202,14 +202,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn figures_have_three_or_four_digits() {
+    fn figures_have_three_digits_or_one_after_the_point() {
         let cases = [
             (0.0, "", "0"),
             (12.0, "", "12"),
-            (40.237, "ms", "40.24 ms"),
-            (3.14159, "x", "3.142x"),
+            (40.237, "ms", "40.2 ms"),
+            (3.256, "x", "3.26x"),
             (123.456, "ms", "123.5 ms"),
-            (0.00012345, "", "1.234e-4"),
+            (0.02499, "", "0.0250"),
+            (0.00012345, "", "1.23e-4"),
             (79_000_000.0, "bytes", "79 MB"),
         ];
         for (value, unit, expected) in cases {
