@@ -1,7 +1,7 @@
 //! `manylight flicker` and sequences of frames as their users meet them: files, parts that make a whole, going on, and one sentence
 //! for whatever goes wrong.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -240,4 +240,18 @@ fn a_walk_on_which_nothing_moves_is_told_so() {
     assert!(text(&output.stderr).contains("nothing moves"), "{}", text(&output.stderr));
     assert!(text(&output.stdout).contains("all irradiance  flicker 0 (0.00 % of the mean)  matched 100.0 %"), "{}", text(&output.stdout));
     assert_eq!(place.json("still/flicker.json")["warnings"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn a_preset_that_starts_from_another_walks_in_any_folder_by_its_name() {
+    let place = Place::new();
+    let line = "flicker atrium-walk --frames 2 --size 64x36 --set scene.triangles=10000 --set rsm.size=[64,64] --set vpls.count=64";
+    let stdout = place.succeeds(&format!("{line} -o out"));
+    assert!(stdout.contains("0000-0001 RGB  flicker 0."), "{stdout}");
+    let json = place.json("out/flicker.json");
+    assert_eq!((&json["preset"], &json["config"]["compose"]["exposure"]), (&"atrium-walk".into(), &json!(1.3f32)), "the base's exposure");
+    // A file of that name is what a config in its folder starts from.
+    fs::write(place.path("first-light.toml"), "[compose]\nexposure = 5.0\n").unwrap();
+    place.succeeds(&format!("{line} -o out -q"));
+    assert_eq!(place.json("out/flicker.json")["config"]["compose"]["exposure"], 5.0);
 }

@@ -11,7 +11,8 @@ Each pixel is looked for in the next frame by its world position; what is hidden
 temporal image difference of Barak, Bittner and Havran 2013. That of a walk is over all pixels of all its pairs.
 
 A gradient shows by up to half a pixel of it, in a reference too: what is left over the reference's own flicker is the
-method's. The reference's noise counts as its flicker, so trace it until its standard error is well below.";
+method's. The reference's noise counts as its flicker, so trace it until its standard error is well below; with --centers
+its edges are as jagged as those of the frames.";
 
 #[derive(Debug, Clone, PartialEq, Args)]
 #[command(after_help = MEASURE)]

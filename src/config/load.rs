@@ -3,6 +3,7 @@
 use super::tree::{Lines, Node, Origin, Source, Table, Value, insert, overlay, override_value, quoted};
 use super::{Config, check, rules};
 use crate::fail;
+use crate::presets;
 use anyhow::Result;
 use serde::Deserialize;
 use std::io::Read;
@@ -127,7 +128,7 @@ fn chain(text: &str, path: &Path) -> Result<Node> {
         if files.len() == MOST_FILES {
             return Err(check::error(&origin, "base", format_args!("the chain of bases is longer than {MOST_FILES} files")));
         }
-        let text = read(&base_path).map_err(|error| check::error(&origin, "base", error))?;
+        let text = base_text(&base_path).map_err(|error| check::error(&origin, "base", error))?;
         let (mut below, next) = config_document(&text, &base_path, MOST_FILES - files.len())?;
         files.push(base_path);
         overlay(&mut below, root, "");
@@ -165,6 +166,15 @@ fn tree(text: &str, source: Rc<Source>) -> Result<Node> {
 fn shown(path: &Path) -> String {
     let text = path.display().to_string();
     if text.contains(char::is_control) { text.escape_debug().to_string() } else { text }
+}
+
+/// The text of a base. Where there is no file, a preset that is named alone is the one that comes with the program: a preset with a
+/// base is found by its name in any folder.
+fn base_text(path: &Path) -> Result<String> {
+    match path.to_str().and_then(|path| path.strip_suffix(".toml")).and_then(presets::find) {
+        Some(text) if !path.exists() => Ok(text.to_owned()),
+        _ => read(path),
+    }
 }
 
 fn read(path: &Path) -> Result<String> {
