@@ -11,7 +11,7 @@ use crate::output::{prepare_folder, write_file};
 use crate::presets;
 use crate::reference::scene_digest;
 use crate::renderer::{Renderer, needs_rays};
-use crate::tables::cells::{self, WALKS, is_done, reference_folder, run_folder};
+use crate::tables::cells::{self, WALKS, reference_folder, run_folder};
 use crate::tables::{Plan, Run, Table, print, read};
 use crate::walk::flicker_of_walk;
 use anyhow::{Context, Result};
@@ -94,7 +94,7 @@ impl Session<'_> {
         for run in &plan.runs {
             let mine = self.args.shard.is_none_or(|shard: Shard| shard.has(*number));
             *number += 1;
-            if mine && !(self.args.resume && is_done(folder, run) && self.has_truth(table, run, folder)) {
+            if mine && !(self.args.resume && cells::is_current(folder, run) && self.has_truth(table, run, folder)) {
                 todo.push(run);
             }
         }
@@ -120,6 +120,7 @@ impl Session<'_> {
             truth.bring(&mut open.renderer, &reference_folder(folder, &key), &table.name, progress)?;
         }
         let own = run_folder(folder, run);
+        cells::begin(folder, run)?;
         let measured = measure::frames(&mut open.renderer, config, progress)?;
         if !run.walks.is_empty() {
             let mut walks = BTreeMap::new();

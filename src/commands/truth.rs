@@ -26,9 +26,6 @@ pub struct Truth<'a> {
 impl Truth<'_> {
     /// Makes sure that `folder` has it.
     pub fn bring(&self, renderer: &mut Renderer, folder: &Path, table: &str, progress: &Progress) -> Result<()> {
-        if folder.join(LAST).is_file() {
-            return Ok(());
-        }
         let settings = Settings {
             bounces: self.goal.bounces,
             frame_index: self.config.frame.count - 1,
@@ -38,8 +35,11 @@ impl Truth<'_> {
         let identity = truth_identity(renderer, self.config, settings, self.digest)?;
         // What is enough is part of the key: a truth that another table refined would give other figures than the first time.
         let key = blake3::hash(format!("{identity} {} {}", self.goal.error, self.goal.samples).as_bytes()).to_hex();
+        if is_of(folder, key.as_str()) {
+            return Ok(());
+        }
         let kept = reference_cache().map(|cache| cache.join(&key.as_str()[..32]));
-        if let Some(kept) = kept.as_ref().filter(|kept| kept.join(LAST).is_file()) {
+        if let Some(kept) = kept.as_ref().filter(|kept| is_of(kept, key.as_str())) {
             return copy_folder(kept, folder);
         }
         prepare_folder(folder)?;
@@ -51,7 +51,9 @@ impl Truth<'_> {
         let before = load_sums(&files.sums, &identity, self.config.frame.size, settings.bounces).ok();
         let traced = run.trace(renderer, settings, &identity, before.as_ref(), &files)?;
         write_file(&folder.join("timings.csv"), &timings_csv(&traced.times, &run.from)?)?;
-        run.record(renderer, settings, &traced)?.write(&folder.join(LAST))?;
+        let mut record = run.record(renderer, settings, &traced)?;
+        record.checks.insert(IDENTITY.to_owned(), key.as_str().into());
+        record.write(&folder.join(LAST))?;
         // They are for going on alone, and larger than all the rest.
         let _ = std::fs::remove_file(&files.sums);
         if let Some(kept) = kept
@@ -61,6 +63,15 @@ impl Truth<'_> {
         }
         Ok(())
     }
+}
+
+/// What a record says of what its truth is of.
+const IDENTITY: &str = "identity";
+
+/// Whether a folder holds that truth, and all of it.
+fn is_of(folder: &Path, key: &str) -> bool {
+    let record = std::fs::read(folder.join(LAST)).ok().and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok());
+    record.is_some_and(|record| record["checks"][IDENTITY] == key)
 }
 
 /// Written last: where it is, all is.

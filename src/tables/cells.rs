@@ -75,6 +75,23 @@ pub fn reference_folder(folder: &Path, key: &str) -> PathBuf {
     folder.join("references").join(key)
 }
 
+/// Takes a run's record away, so that nobody takes for done what is being done again.
+pub fn begin(folder: &Path, run: &Run) -> Result<()> {
+    let record = run_folder(folder, run).join(RECORD);
+    match std::fs::remove_file(&record) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(fail!(OutputNotWritten, "{}: cannot be removed ({error}); choose another folder", record.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Whether this version of the program has done a run.
+pub fn is_current(folder: &Path, run: &Run) -> bool {
+    let record = read_json(&run_folder(folder, run).join(RECORD));
+    record.is_ok_and(|record| record["version"] == env!("CARGO_PKG_VERSION"))
+}
+
 /// Whether a run has left everything. Its record is written last.
 pub fn is_done(folder: &Path, run: &Run) -> bool {
     run_folder(folder, run).join(RECORD).is_file()
