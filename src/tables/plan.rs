@@ -87,8 +87,9 @@ impl Plan {
                 .with_context(|| format!("row {:?}, column {:?}", of_row.name, of_column.name))?;
             let key = hash(&portable(&config));
             of_cell[row][column] = all.iter().position(|run| run.key == key).unwrap_or_else(|| {
-                let names = [(&of_row.set, &of_row.name), (&of_column.set, &of_column.name)];
-                let parts: Vec<&str> = names.iter().filter(|(set, _)| set.is_some()).map(|(_, name)| name.as_str()).collect();
+                let set = |lines: &[super::Line]| lines.iter().any(|line| line.set.is_some());
+                let names = [(set(&table.rows), &of_row.name), (set(&table.columns), &of_column.name)];
+                let parts: Vec<&str> = names.iter().filter(|(differ, _)| *differ).map(|(_, name)| name.as_str()).collect();
                 let label = if parts.is_empty() { table.name.clone() } else { parts.join(", ") };
                 all.push(Run { key, label, config, set: BTreeMap::new(), walks: BTreeMap::new(), needs_reference: false });
                 all.len() - 1

@@ -187,11 +187,7 @@ fn notes(results: &Results) -> Vec<String> {
     }
     let missing: Vec<&str> = results.cells.iter().flatten().filter_map(|cell| cell.why.as_deref()).collect();
     if let Some(first) = missing.first() {
-        notes.push(format!(
-            "{} of {} cells are empty, the first because it {first}",
-            missing.len(),
-            results.cells.iter().flatten().count()
-        ));
+        notes.push(format!("{} of {} cells are empty, the first: {first}", missing.len(), results.cells.iter().flatten().count()));
     }
     notes.extend(results.deviations.iter().map(|deviation| format!("note: {deviation}")));
     notes
