@@ -165,7 +165,11 @@ fn table(folder: &Path) -> Result<Group> {
     let Some(table): Option<TableFile> = json(&path)? else { unreachable!("the file was there") };
     table.check(&path)?;
     let mut group = Group::default();
-    let runs = table.runs.iter().map(|(key, run)| ("runs", key, run.label.as_str()));
+    // In the order of the cells that they are of; what no cell names comes last.
+    let named: Vec<&str> = table.cells.iter().flatten().filter_map(|cell| cell.run.as_deref()).collect();
+    let mut in_order: Vec<_> = table.runs.iter().collect();
+    in_order.sort_by_key(|(key, _)| named.iter().position(|name| name == key).unwrap_or(usize::MAX));
+    let runs = in_order.into_iter().map(|(key, run)| ("runs", key, run.label.as_str()));
     let references = table.references.iter().map(|key| ("references", key, key.as_str()));
     for (place, key, label) in runs.chain(references) {
         // The keys are names of folders, not ways out of this one.
