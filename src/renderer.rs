@@ -293,6 +293,13 @@ impl Renderer {
         self.engine.prepare(&g)
     }
 
+    /// The names of a config's passes, and of the resources of its frames.
+    pub fn names(&self, config: &Config) -> Result<(Vec<&'static str>, Vec<String>)> {
+        let mut g = Graph::new();
+        self.describe(&mut g, config, 0)?;
+        Ok((g.pass_names().collect(), g.memory().into_iter().map(|(name, _)| name).collect()))
+    }
+
     /// Runs frame 0 with a triangle of every kind that the scene draws, so that no later frame is the first to use a pipeline.
     pub fn warm_up(&mut self, config: &Config, execution: &Execution) -> Result<()> {
         let mut g = Graph::warming_up();

@@ -192,6 +192,23 @@ fn a_table_that_is_wrong_is_refused_before_anything_is_rendered() {
         assert!(error.contains(expected), "{error}");
         assert!(!place.path("out").exists(), "{to}");
     }
+    // What only frames know is refused before the first of them too.
+    for (from, to, expected) in [
+        (
+            "time = \"gather\"",
+            "time = \"gather/per-pixl\"",
+            "small.toml:20: measure: no frame of this table has \"gather/per-pixl\"; did you mean \"gather/per-pixel\"?",
+        ),
+        ("count = \"vpls/lit\"", "count = \"vpls/lid\"", "did you mean \"vpls/lit\"?"),
+        ("memory = \"gather\"", "memory = \"gathr\"", "did you mean \"gather\"?"),
+    ] {
+        std::fs::write(place.path("small.toml"), TABLE.replacen(from, to, 1)).unwrap();
+        let output = place.run(&["-o", "out"]);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.contains(expected), "{error}");
+        assert!(!place.path("out/small/runs").exists() && !place.path("out/small/references").exists(), "{to}");
+    }
     let unknown = Command::new(env!("CARGO_BIN_EXE_manylight")).args(["reproduce", "interleavin"]).output().unwrap();
     let error = String::from_utf8_lossy(&unknown.stderr).into_owned();
     assert!(unknown.status.code() == Some(2) && error.contains("did you mean interleaving?"), "{error}");

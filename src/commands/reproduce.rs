@@ -12,7 +12,7 @@ use crate::presets;
 use crate::reference::scene_digest;
 use crate::renderer::{Renderer, needs_rays};
 use crate::tables::cells::{self, WALKS, reference_folder, run_folder};
-use crate::tables::{Plan, Run, Table, print, read};
+use crate::tables::{Names, Plan, Run, Table, print, read};
 use crate::walk::flicker_of_walk;
 use anyhow::{Context, Result};
 use std::collections::BTreeMap;
@@ -98,11 +98,31 @@ impl Session<'_> {
                 todo.push(run);
             }
         }
+        if let Some(first) = todo.first() {
+            self.check_names(table, plan, first)?;
+        }
         for (i, run) in todo.iter().enumerate() {
             self.progress.step(i as u64, todo.len() as u64, &format!("{}: {}", table.name, run.label));
             self.one(table, run, folder).with_context(|| format!("{}: {}", table.name, run.label))?;
         }
         Ok(())
+    }
+
+    /// Passes, counts and resources are known to frames alone; all frames of the scene that comes first are asked. Opens the device
+    /// so that all of these can run on it.
+    fn check_names(&mut self, table: &Table, plan: &Plan, first: &Run) -> Result<()> {
+        let same: Vec<&Run> = plan.runs.iter().filter(|run| run.config.scene == first.config.scene).collect();
+        let rays = same.iter().any(|run| run.needs_reference || needs_rays(&run.config));
+        let open = self.opened(&first.config, rays)?;
+        let mut names = Names::default();
+        for run in &same {
+            open.renderer.check(&run.config).with_context(|| format!("{}: {}", table.name, run.label))?;
+            let (passes, resources) = open.renderer.names(&run.config)?;
+            names.passes.extend(passes.into_iter().map(str::to_owned));
+            names.resources.extend(resources);
+        }
+        // What only another scene's runs might have is found out when they run.
+        if same.len() == plan.runs.len() { names.check(table) } else { Ok(()) }
     }
 
     fn has_truth(&self, table: &Table, run: &Run, folder: &Path) -> bool {

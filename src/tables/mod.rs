@@ -10,7 +10,7 @@ pub mod print;
 pub mod read;
 
 pub use cells::{Cell, Results};
-pub use plan::{Plan, Run};
+pub use plan::{Names, Plan, Run};
 
 use crate::config::tree::{Node, Origin};
 use crate::walk::Intensity;

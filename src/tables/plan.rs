@@ -1,7 +1,9 @@
 //! Which runs a table takes, and which cell is of which.
 
 use super::{Against, Table, What};
-use crate::config::{Config, to_toml};
+use crate::config::check::error;
+use crate::config::tree::quoted;
+use crate::config::{Config, nearest, to_toml};
 use crate::walk::Intensity;
 use anyhow::{Context, Result};
 use std::collections::{BTreeMap, BTreeSet};
@@ -129,6 +131,45 @@ impl Plan {
     /// The run of a cell that is no ratio, or that another cell is measured against.
     pub fn run(&self, row: usize, column: usize) -> &Run {
         &self.runs[self.of_cell[row][column]]
+    }
+}
+
+/// What the frames of a table's runs have between them.
+#[derive(Debug, Default)]
+pub struct Names {
+    pub passes: BTreeSet<String>,
+    /// Resources of the frame, what passes count among them.
+    pub resources: BTreeSet<String>,
+}
+
+/// What a record counts beside what passes count.
+const COUNTED: [&str; 3] = ["scene/triangles", "vpls/count", "device/memory-bytes"];
+
+impl Names {
+    /// Refuses measures of what no frame of the table has.
+    ///
+    /// # Errors
+    /// `BadInput` with file, line and what there is.
+    pub fn check(&self, table: &Table) -> Result<()> {
+        let stages =
+            |names: &BTreeSet<String>| names.iter().filter_map(|name| name.split('/').next()).map(str::to_owned).collect::<BTreeSet<_>>();
+        for (row, column) in table.places() {
+            let measure = table.measure(row, column);
+            let (of, known) = match &measure.what {
+                What::Time { of } if of.contains('/') => (of, self.passes.clone()),
+                What::Count { of } => (of, self.resources.iter().cloned().chain(COUNTED.map(str::to_owned)).collect()),
+                What::Memory { of } if of.contains('/') => (of, self.resources.clone()),
+                What::Memory { of } if of != "frame" => (of, stages(&self.resources)),
+                _ => continue,
+            };
+            if !known.contains(of) {
+                let names: Vec<&str> = known.iter().map(String::as_str).collect();
+                let hint = nearest(of, &names)
+                    .map_or_else(|| format!("there are {}", names.join(", ")), |near| format!("did you mean \"{near}\"?"));
+                return Err(error(&measure.origin, "measure", format_args!("no frame of this table has {}; {hint}", quoted(of))));
+            }
+        }
+        Ok(())
     }
 }
 
