@@ -7,6 +7,7 @@ use crate::scene::projection::{Projector, View};
 use crate::scene::traced::TracedScene;
 use crate::stages::compose::Composed;
 use crate::stages::gbuffer::GBuffer;
+use crate::stages::visibility::Surroundings;
 use crate::stages::{compose, direct, filter, gather, gbuffer, rsm, visibility, vpls};
 use glam::Vec3;
 
@@ -37,7 +38,15 @@ pub fn frame(g: &mut Graph, scene: &DeviceScene, traced: Option<&TracedScene>, v
     let gbuffer = gbuffer::draw(g, scene, handles, view);
     let rsm = rsm::draw(g, scene, handles, &lighting.projectors, config.rsm.size, config.vpls.count);
     let vpls = vpls::sample(g, &rsm, &gbuffer, &config.vpls);
-    let visibility = visibility::render(g, traced.as_ref(), &gbuffer, &vpls, config.gather.interleave, &config.visibility);
+    let around = Surroundings {
+        scene,
+        handles,
+        traced: traced.as_ref(),
+        gbuffer: &gbuffer,
+        interleave: config.gather.interleave,
+        seed: config.frame.seed,
+    };
+    let visibility = visibility::render(g, around, &vpls, &config.visibility);
     let indirect = gather::indirect(g, &gbuffer, &vpls, visibility, &config.gather);
     let irradiance = filter::smooth(g, &gbuffer, indirect, config.gather.interleave, &config.filter);
     let direct = direct::shade(g, scene, traced.as_ref(), &gbuffer, &rsm, config.materials.dielectric, &config.direct);

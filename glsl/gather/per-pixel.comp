@@ -4,6 +4,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 // Every pixel sees every VPL.
+#include "gather/unshadowed.glsl"
 #include "gather/per-pixel.glsl"
 
 uvec4 seen(ivec2 pixel, uint index) { return uvec4(15u); }

@@ -3,7 +3,11 @@
 // defines
 //     uvec4 seen(ivec2 pixel, uint index);
 // which of four VPLs of the pixel's set, from number `index` on, the pixels see: bit i of a word for VPL index + i, a word for each
-// of the pixels at the given one, a step across, down, and both.
+// of the pixels at the given one, a step across, down, and both; and
+//     Shadow shadow_of(uint vpl, vec3 facing);
+//     float lit(Shadow shadow, vec3 way, float squared, float from, float to);
+// what a VPL's shadow test needs, and the test: `way` to the VPL, its squared length, and the cosines to the VPL's normal and to the
+// receiver's, both times the length.
 #include "lib/color.glsl"
 #include "lib/packing.glsl"
 #include "lib/view.glsl"
@@ -25,6 +29,8 @@ layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
 layout(rgba16f) writeonly uniform image2D irradiance;
 
 uvec4 seen(ivec2 pixel, uint index);
+Shadow shadow_of(uint vpl, vec3 facing);
+float lit(Shadow shadow, vec3 way, float squared, float from, float to);
 
 // A pixel being shaded.
 struct Receiver {
@@ -46,23 +52,35 @@ Receiver receiver(ivec2 pixel) {
     return r;
 }
 
+// A VPL, ready to shine on pixels.
+struct Vpl {
+    vec3 position;
+    vec3 facing;
+    vec3 intensity;
+    Shadow shadow;
+};
+
 // A VPL radiates intensity * cosine; d_min bounds what nears infinity as the two points meet.
-void shade(inout Receiver r, vec3 position, vec3 facing, vec3 intensity) {
-    vec3 v = position - r.position;
-    float squared = dot(v, v);
-    float cosines = max(dot(r.normal, v), 0.0) * max(-dot(facing, v), 0.0);
-    r.sum += intensity * (cosines / max(squared * max(squared, params.squared_min_distance), 1e-20));
+void shade(inout Receiver r, Vpl vpl, float visible) {
+    vec3 way = vpl.position - r.position;
+    float squared = dot(way, way);
+    float from = max(-dot(vpl.facing, way), 0.0), to = max(dot(r.normal, way), 0.0);
+    float weight = from * to * visible / max(squared * max(squared, params.squared_min_distance), 1e-20);
+    r.sum += vpl.intensity * (weight * lit(vpl.shadow, way, squared, from, to));
 }
 
 #define HAND_ROUND(lane, i) { \
-    vec3 position = subgroupBroadcast(point.position, lane + i); \
-    vec3 facing = subgroupBroadcast(point_normal, lane + i); \
-    vec3 intensity = subgroupBroadcast(point_intensity, lane + i); \
+    Vpl vpl = hand_round(mine, lane + i); \
     vec4 visible = vec4((see >> i) & 1u); \
-    shade(a, position, facing, intensity * visible.x); \
-    shade(b, position, facing, intensity * visible.y); \
-    shade(c, position, facing, intensity * visible.z); \
-    shade(d, position, facing, intensity * visible.w); \
+    shade(a, vpl, visible.x); \
+    shade(b, vpl, visible.y); \
+    shade(c, vpl, visible.z); \
+    shade(d, vpl, visible.w); \
+}
+
+Vpl hand_round(Vpl mine, uint lane) {
+    return Vpl(subgroupBroadcast(mine.position, lane), subgroupBroadcast(mine.facing, lane), subgroupBroadcast(mine.intensity, lane),
+               HAND_SHADOW_ROUND(mine.shadow, lane));
 }
 
 void store(Receiver r) {
@@ -91,8 +109,9 @@ void main() {
     for (uint start = 0u; start < count; start += lanes) {
         uint index = first + min(start + gl_SubgroupInvocationID, count - 1u) * SETS;
         VplPoint point = points.at[index];
-        vec3 point_normal = octahedral_snorm16_inverse(point.normal);
-        vec3 point_intensity = start + gl_SubgroupInvocationID < count ? intensities.at[index] : vec3(0.0);
+        vec3 facing = octahedral_snorm16_inverse(point.normal);
+        vec3 intensity = start + gl_SubgroupInvocationID < count ? intensities.at[index] : vec3(0.0);
+        Vpl mine = Vpl(point.position, facing, intensity, shadow_of(index, facing));
         // Four at a time: llvmpipe ends all loops of an invocation together after 65,535 turns.
         for (uint lane = 0u; lane < lanes; lane += 4u) {
             uvec4 see = seen(pixel, start + lane);

@@ -4,6 +4,7 @@
 struct DrawData {
     mat4x3 transform; // columns: axes and translation
     uint material;
+    uint double_sided; // of the material
 };
 
 // Where a material looks a map up.

@@ -101,6 +101,7 @@ fn value(node: &Node, info: &KeyInfo, path: &str) -> Result<()> {
             }
         }
         (Kind::IndexOrName, Value::Text(text)) if !text.is_empty() => {}
+        (Kind::Flag, Value::Bool(_)) => {}
         (Kind::IndexOrName, Value::Whole(whole)) => {
             if u32::try_from(*whole).is_err() {
                 return Err(out(whole));

@@ -2,7 +2,8 @@
 //! it, and the README's table is made from it; the defaults come from the types.
 
 use super::{
-    Builtin, Config, Dielectric, FilterKind, GatherMethod, Interpolation, Layer, Shadows, TimingMode, Tonemap, VisibilityMethod, VplSampler,
+    Builtin, Collect, Config, Dielectric, FilterKind, GatherMethod, Interpolation, IsmRenderer, Layer, Shadows, TimingMode, Tonemap,
+    VisibilityMethod, VplSampler,
 };
 use serde::Deserialize;
 use serde::de::{self, Visitor};
@@ -29,6 +30,7 @@ pub enum Kind {
     /// A list of names, each at most once.
     Choices(&'static [&'static str]),
     IndexOrName,
+    Flag,
     Whole {
         min: i64,
         max: i64,
@@ -92,6 +94,7 @@ impl Kind {
             Kind::Choice(_) => "a name",
             Kind::Choices(_) => "a list of names",
             Kind::IndexOrName => "an index or a name",
+            Kind::Flag => "true or false",
             Kind::Whole { .. } | Kind::OneOf(_) => "a whole number",
             Kind::Number(_) => "a number",
             Kind::Size { .. } => "[width, height], two whole numbers",
@@ -108,6 +111,7 @@ impl Kind {
             Kind::Text => "text".to_owned(),
             Kind::Choice(names) | Kind::Choices(names) => listed(names),
             Kind::IndexOrName => "0 and more, or text".to_owned(),
+            Kind::Flag => "true, false".to_owned(),
             Kind::Whole { min, max } => format!("{min} to {max}"),
             Kind::OneOf(values) => values.iter().map(i64::to_string).collect::<Vec<_>>().join(", "),
             Kind::Number(range) => range.text(),
@@ -229,6 +233,19 @@ fn list() -> Vec<KeyInfo> {
         key("vpls.sampler", Choice(choices::<VplSampler>()), "How texels are chosen to be virtual point lights"),
         key("vpls.count", Whole { min: 1, max: 1_048_576 }, "Virtual point lights in all"),
         key("visibility.method", Choice(choices::<VisibilityMethod>()), "How a virtual point light's shadows are found"),
+        key("visibility.renderer", Choice(choices::<IsmRenderer>()), "How points get into imperfect shadow maps"),
+        key("visibility.collect", Choice(choices::<Collect>()), "How points are made from triangles"),
+        key("visibility.point_count", Whole { min: 1, max: 1 << 26 }, "About how many points stand for the scene"),
+        key("visibility.thin", Flag, "Leaves small triangles out by lot, so that points stand for equal areas"),
+        absent("visibility.capacity", Whole { min: 1, max: 1 << 20 }, "from the others", "Points that a map's partition holds"),
+        key("visibility.map_size", OneOf(&[16, 32, 64, 128, 256]), "Side of an imperfect shadow map, texels"),
+        absent("visibility.considered", Whole { min: 1, max: 32 }, "16, 1 for splats", "Maps that a point is considered for"),
+        absent("visibility.collected", Whole { min: 1, max: 16 }, "4, 1 for splats", "Maps that it is drawn into, at most"),
+        key("visibility.distortion", Flag, "Points are as large as the paraboloid projection makes them"),
+        key("visibility.clamp", Flag, "Points, and what is made of them, stay in their own map"),
+        key("visibility.enlarge", above(0.0, 16.0), "Multiplies the radius of splats"),
+        key("visibility.normals", Flag, "A point's normal limits its size"),
+        key("visibility.bias", from(0.0, 64.0), "How far behind a map's surface is still lit, in widths of a texel there"),
         key("gather.method", Choice(choices::<GatherMethod>()), "How the lights are summed at the pixels"),
         key("gather.interleave", OneOf(&[1, 2, 4, 8]), "Side of the block of pixels that share out the lights"),
         key("gather.min_distance", from(0.0, 1e6), "Below this distance a light gets no brighter, metres; 0 turns it off"),

@@ -105,10 +105,81 @@ pub enum VplSampler {
 }
 
 /// `[visibility]`: what a virtual point light sees.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct VisibilityConfig {
     pub method: VisibilityMethod,
+    /// How points get into the imperfect shadow maps.
+    pub renderer: IsmRenderer,
+    pub collect: Collect,
+    /// About how many points stand for the scene, 1 to 67,108,864.
+    pub point_count: u32,
+    /// Leaves small triangles out by lot, so that all points stand for the same area; else every triangle makes a point at least.
+    pub thin: bool,
+    /// Points that a map's partition holds, 1 to 1,048,576; follows the others if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub capacity: Option<u32>,
+    /// Side of a map, texels: 16, 32, 64, 128 or 256.
+    pub map_size: u32,
+    /// Maps that each point is considered for, 1 to 32; 16 for single pixels and 1 for splats if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub considered: Option<u32>,
+    /// Maps that each point is drawn into, 1 to 16 and at most `considered`; 4 for single pixels and 1 for splats if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub collected: Option<u32>,
+    /// Whether points are as large as the paraboloid projection makes them.
+    pub distortion: bool,
+    /// Whether points and what is made of them stay in their own map.
+    pub clamp: bool,
+    /// Multiplies the radius of splats, over 0 to 16.
+    pub enlarge: f32,
+    /// Whether a point's normal limits its size.
+    pub normals: bool,
+    /// How far behind a map's surface a receiver still is lit, in units of a texel's width there; 0 to 64.
+    pub bias: f32,
+}
+
+impl Default for VisibilityConfig {
+    fn default() -> Self {
+        Self {
+            method: VisibilityMethod::None,
+            renderer: IsmRenderer::SinglePixel,
+            collect: Collect::Compute,
+            point_count: 326_000,
+            thin: true,
+            capacity: None,
+            map_size: 64,
+            considered: None,
+            collected: None,
+            distortion: true,
+            clamp: true,
+            enlarge: 1.5,
+            normals: false,
+            bias: 1.0,
+        }
+    }
+}
+
+/// How points get into the imperfect shadow maps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum IsmRenderer {
+    /// A texel each; pull and push fill the holes between them.
+    #[default]
+    SinglePixel,
+    /// As squares of their size.
+    Splat,
+}
+
+/// How points are made from triangles.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Collect {
+    /// By a compute pass.
+    #[default]
+    Compute,
+    /// By the tessellator.
+    Tessellation,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -119,6 +190,8 @@ pub enum VisibilityMethod {
     None,
     /// What a ray reaches: exact.
     RayTraced,
+    /// Small shadow maps of points, one a light.
+    ImperfectShadowMaps,
 }
 
 /// `[gather]`: how the virtual point lights' light is summed at the pixels.

@@ -275,6 +275,11 @@ impl<'g> Commands<'g> {
         unsafe { self.gpu.device.cmd_fill_buffer(self.buffer, self.gpu.memory.buffer(buffer).handle, offset, 4, word) };
     }
 
+    /// Fills a whole buffer with zeros.
+    pub fn fill_zeros(&mut self, buffer: BufferId) {
+        unsafe { self.gpu.device.cmd_fill_buffer(self.buffer, self.gpu.memory.buffer(buffer).handle, 0, vk::WHOLE_SIZE, 0) };
+    }
+
     /// Filters the mip above down into `mip`, for all layers.
     pub(super) fn halve_into_mip(&mut self, image: ImageId, mip: u32) {
         let slot = self.gpu.memory.image(image);

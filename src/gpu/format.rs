@@ -15,6 +15,8 @@ pub enum Format {
     /// Unsigned floats of 11, 11 and 10 bits: radiance without alpha.
     R11G11B10Float,
     R32Uint,
+    /// Two words: data that is no picture.
+    Rg32Uint,
     R32Float,
     Rg32Float,
     Rgba32Float,
@@ -30,7 +32,7 @@ impl Format {
             Self::Rg8Unorm => 2,
             Self::Rgba8Unorm | Self::Rgba8Srgb | Self::Rg16Snorm | Self::R11G11B10Float => 4,
             Self::R32Uint | Self::R32Float | Self::Depth32 => 4,
-            Self::Rgba16Float | Self::Rg32Float => 8,
+            Self::Rgba16Float | Self::Rg32Float | Self::Rg32Uint => 8,
             Self::Rgba32Float | Self::Rgba32Uint => 16,
         }
     }
@@ -39,7 +41,7 @@ impl Format {
     pub fn channels(self) -> usize {
         match self {
             Self::R32Uint | Self::R32Float | Self::Depth32 => 1,
-            Self::Rg8Unorm | Self::Rg16Snorm | Self::Rg32Float => 2,
+            Self::Rg8Unorm | Self::Rg16Snorm | Self::Rg32Float | Self::Rg32Uint => 2,
             Self::R11G11B10Float => 3,
             Self::Rgba8Unorm | Self::Rgba8Srgb | Self::Rgba16Float | Self::Rgba32Float | Self::Rgba32Uint => 4,
         }
@@ -72,6 +74,7 @@ impl Format {
                 [small(bits & 0x7ff, 6), small(bits >> 11 & 0x7ff, 6), small(bits >> 22, 5), 0.0]
             }
             Self::R32Uint => [word(0) as f32, 0.0, 0.0, 0.0],
+            Self::Rg32Uint => [0, 1].map(|i| word(i) as f32).with_zeros(),
             Self::R32Float | Self::Depth32 => [f32::from_bits(word(0)), 0.0, 0.0, 0.0],
             Self::Rg32Float => [0, 1].map(|i| f32::from_bits(word(i))).with_zeros(),
             Self::Rgba32Float => [0, 1, 2, 3].map(|i| f32::from_bits(word(i))),
@@ -88,6 +91,7 @@ impl Format {
             Self::Rgba16Float => vk::Format::R16G16B16A16_SFLOAT,
             Self::R11G11B10Float => vk::Format::B10G11R11_UFLOAT_PACK32,
             Self::R32Uint => vk::Format::R32_UINT,
+            Self::Rg32Uint => vk::Format::R32G32_UINT,
             Self::R32Float => vk::Format::R32_SFLOAT,
             Self::Rg32Float => vk::Format::R32G32_SFLOAT,
             Self::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,

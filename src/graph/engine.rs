@@ -209,7 +209,7 @@ impl Engine {
 
     /// Lends every resource of the graph its memory; usage flags come from how the passes use it.
     fn place(&mut self, graph: &Graph) -> Result<Placed> {
-        let mut placed = Placed { images: HashMap::new(), buffers: HashMap::new(), counts: Vec::new() };
+        let mut placed = Placed { images: HashMap::new(), buffers: HashMap::new(), zeroed: Vec::new() };
         let (mut indices, mut wanted) = (Vec::new(), Vec::new());
         for (index, slot) in graph.slots.iter().enumerate() {
             match (slot.resource, &slot.source) {
@@ -219,9 +219,9 @@ impl Engine {
                 (_, Source::ImportedImage(id) | Source::KeptImage(id)) => {
                     placed.images.insert(index, *id);
                 }
-                (_, Source::Counted) => {
-                    let id = self.pool.buffer(&mut self.gpu, &slot.name, 4, BufferKind::Device)?;
-                    placed.counts.push(id);
+                (resource, Source::Counted | Source::Zeroed) => {
+                    let id = self.pool.buffer(&mut self.gpu, &slot.name, graph.bytes(resource), BufferKind::Device)?;
+                    placed.zeroed.push(id);
                     placed.buffers.insert(index, id);
                 }
                 (Resource::Buffer(buffer), Source::Transient) => {

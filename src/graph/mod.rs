@@ -83,6 +83,8 @@ enum Source {
     Uploaded(Vec<u8>),
     /// A word from the pool, 0 when the frame begins and read back when it ends.
     Counted,
+    /// From the pool, zeros when the frame begins.
+    Zeroed,
     ImportedBuffer(BufferId),
     ImportedImage(ImageId),
     /// Outlives the frame, and passes may write it.
@@ -163,6 +165,13 @@ impl Graph {
     pub fn count(&mut self, name: &str) -> Buffer {
         let buffer = Buffer { index: self.slots.len() as u32, count: 1 };
         self.add(name, buffer.into(), Some(Element::of::<u32>()), Source::Counted);
+        buffer
+    }
+
+    /// A buffer of `count` structs, all zeros when the frame begins, that passes add to.
+    pub fn zeroed<T: ShaderStruct>(&mut self, name: &str, count: u32) -> Buffer {
+        let buffer = Buffer { index: self.slots.len() as u32, count };
+        self.add(name, buffer.into(), Some(Element::of::<T>()), Source::Zeroed);
         buffer
     }
 

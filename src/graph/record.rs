@@ -30,8 +30,8 @@ pub(super) struct Step {
 pub(super) struct Placed {
     pub images: HashMap<usize, ImageId>,
     pub buffers: HashMap<usize, BufferId>,
-    /// Those of the buffers that count, and so start at 0.
-    pub counts: Vec<BufferId>,
+    /// Those of the buffers that start with zeros.
+    pub zeroed: Vec<BufferId>,
 }
 
 /// How long passes took, and when they ran.
@@ -73,7 +73,7 @@ pub(super) fn run(
     let prologue = |commands: &mut Commands<'_>| {
         let counts = ready.iter().map(|r| r.check.len()).sum::<usize>();
         checker.iter().for_each(|(_, buffer)| (0..counts).for_each(|i| commands.fill_word(*buffer, 4 * i as u64, 0)));
-        placed.counts.iter().for_each(|count| commands.fill_word(*count, 0, 0));
+        placed.zeroed.iter().for_each(|buffer| commands.fill_zeros(*buffer));
         commands.barrier(&Barrier::FULL);
     };
     let epilogue = |commands: &mut Commands<'_>| {

@@ -4,6 +4,7 @@
 //! one indirect draw, with its numbers and its maps bound once and the shader specialised to what it has. That is what makes
 //! them uniform to the shader: on a software driver, a fifth of a map's time.
 
+use super::triangles::{TriangleHandles, Triangles};
 use super::{Aabb, Draw, Filter, Map, Material, Scene, Wrap};
 use crate::fail;
 use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, Wrapping};
@@ -19,6 +20,8 @@ shader_struct! {
         /// Three axes and the translation, one after the other.
         pub transform: [[f32; 3]; 4],
         pub material: u32,
+        /// Of the material.
+        pub double_sided: u32,
     }
 
     /// `VkDrawIndexedIndirectCommand`; the first instance is the draw's number.
@@ -113,12 +116,14 @@ pub struct DeviceScene {
     /// One white texel, for maps that a bucket does not have.
     blank: ImageId,
     buckets: Vec<Bucket>,
+    pub triangle_table: Triangles,
 }
 
 /// A scene's buffers in one frame's graph.
 #[derive(Debug, Clone, Copy)]
 pub struct SceneHandles {
     pub draws: Buffer,
+    pub triangles: TriangleHandles,
 }
 
 impl DeviceScene {
@@ -146,8 +151,7 @@ impl DeviceScene {
 
         let (arrays, places) = upload_textures(gpu, scene)?;
         let materials: Vec<MaterialData> = scene.materials.iter().map(|material| material_data(material, &places)).collect();
-        let draws: Vec<DrawData> =
-            scene.draws.iter().map(|draw| DrawData { transform: draw.transform.to_cols_array_2d(), material: draw.material }).collect();
+        let draws: Vec<DrawData> = scene.draws.iter().map(|draw| draw_data(scene, draw)).collect();
         let (buckets, bounds) = fill_buckets(scene, &places);
         Ok(Self {
             bounds,
@@ -161,12 +165,16 @@ impl DeviceScene {
             arrays,
             blank: gpu.create_texture_array("scene/blank", Format::Rgba8Unorm, [1, 1], &[&[255; 4]])?,
             buckets,
+            triangle_table: Triangles::upload(gpu, scene)?,
         })
     }
 
     /// The scene's buffers as this frame's resources.
     pub fn import(&self, g: &mut Graph) -> SceneHandles {
-        SceneHandles { draws: g.import_buffer::<DrawData>("scene/draws", self.draws, self.draw_count) }
+        SceneHandles {
+            draws: g.import_buffer::<DrawData>("scene/draws", self.draws, self.draw_count),
+            triangles: self.triangle_table.import(g, self.indices),
+        }
     }
 
     /// What a raster pass draws, `instances` times: the parts of which `distance` knows one, nearer ones before farther ones as
@@ -271,6 +279,11 @@ fn upload_textures(gpu: &mut Gpu, scene: &Scene) -> Result<(Vec<ImageId>, Places
         }
     }
     Ok((arrays, places))
+}
+
+fn draw_data(scene: &Scene, draw: &Draw) -> DrawData {
+    let double_sided = u32::from(scene.materials[draw.material as usize].double_sided);
+    DrawData { transform: draw.transform.to_cols_array_2d(), material: draw.material, double_sided }
 }
 
 fn maps(material: &Material) -> [Option<Map>; 4] {

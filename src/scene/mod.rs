@@ -14,6 +14,7 @@ pub mod pack;
 pub mod projection;
 pub mod tangents;
 pub mod traced;
+pub mod triangles;
 pub mod view;
 
 use glam::{Affine3A, Mat2, Vec2, Vec3};

@@ -9,6 +9,14 @@ use crate::graph::{Graph, Image};
 use crate::shader_struct;
 
 shader_struct! {
+    /// `glsl/gather/ism.glsl`.
+    struct IsmBlock {
+        far: f32,
+        bias: f32,
+        size: i32,
+        columns: u32,
+    }
+
     struct PerPixelParams {
         count: u32,
         squared_min_distance: f32,
@@ -44,6 +52,11 @@ fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibili
     let pass = match visibility {
         Visibility::None => g.compute("gather/per-pixel"),
         Visibility::Bits(visible) => g.compute("gather/per-pixel-visible").reads("visible", visible),
+        Visibility::Ism(ism) => {
+            let block = IsmBlock { far: ism.far, bias: ism.bias, size: ism.size as i32, columns: ism.columns };
+            let block = g.upload("gather/ism", &[block]);
+            g.compute("gather/per-pixel-ism").reads("ism", block).reads("maps", ism.maps)
+        }
     };
     pass.reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)

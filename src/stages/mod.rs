@@ -31,6 +31,7 @@ pub const METHODS: &[Method] = {
         method("vpls.sampler", "regular", &[]),
         method("visibility.method", "none", &[]),
         method("visibility.method", "ray-traced", &[]),
+        method("visibility.method", "imperfect-shadow-maps", &[]),
         method("gather.method", "per-pixel", &[SubgroupBallot]),
         method("filter.kind", "bilateral", &[]),
         method("filter.kind", "none", &[]),

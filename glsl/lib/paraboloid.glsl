@@ -1,0 +1,27 @@
+#ifndef PARABOLOID_GLSL
+#define PARABOLOID_GLSL
+// The paraboloid projection of a hemisphere to the unit disk, and what an imperfect shadow map's texels hold.
+
+// An orthonormal basis whose last axis is n (Duff et al. 2017).
+mat3 hemisphere(vec3 n) {
+    float s = n.z >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (s + n.z);
+    float b = n.x * n.y * a;
+    return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3(b, s + n.y * n.y * a, -n.y), n);
+}
+
+// A unit direction of the hemisphere z >= 0.
+vec2 paraboloid(vec3 w) { return w.xy / (1.0 + w.z); }
+
+vec3 paraboloid_inverse(vec2 p) {
+    float squared = dot(p, p);
+    return vec3(2.0 * p, 1.0 - squared) / (1.0 + squared);
+}
+
+// What a point of world radius r at distance d covers of the disk's radius, at the angle theta to the axis. The thesis leaves the
+// cosine out.
+float paraboloid_radius(float r, float d, float cosine, bool distortion) {
+    // 2 cos^2(theta / 2) = 1 + cos(theta)
+    return r / d * (distortion ? 1.0 / (1.0 + cosine) : 0.5);
+}
+#endif

@@ -1,0 +1,126 @@
+// Points from triangles (Linke 2016, section 4.4.1): the rule that both ways of making them share.
+//
+// A triangle is cut into s * s congruent ones, and each of those is tessellated with all levels n, equally spaced; a point stands
+// for each small triangle, at its centre. The level is the least that keeps the small triangles' area at `max_area` or below, and
+// s is the least that keeps it at MOST_LEVEL or below: lavapipe loses patches in larger batches.
+#include "lib/packing.glsl"
+#include "lib/random.glsl"
+
+const uint MOST_LEVEL = 15u;
+
+// A point: 16 bytes.
+struct Point {
+    vec3 position;
+    uint packed; // normal, octahedral, twice 10 bits; log2 of the radius, 11 bits; whether both sides are seen
+};
+
+struct Subdivision {
+    uint split; // s
+    uint level; // n
+};
+
+uint tessellation_level(float area, float max_area) {
+    // All small triangles but the middle one have 2 / (3 n^2) of the area.
+    return area <= max_area ? 1u : max(2u, uint(min(ceil(sqrt(area * (2.0 / 3.0) / max_area)), 32768.0)));
+}
+
+Subdivision subdivision(float area, float max_area) {
+    uint n = tessellation_level(area, max_area);
+    uint s = (n + MOST_LEVEL - 1u) / MOST_LEVEL;
+    return Subdivision(s, s == 1u ? n : min(tessellation_level(area / float(s * s), max_area), MOST_LEVEL));
+}
+
+// Small triangles of a triangle that is tessellated with level n.
+uint points_of_level(uint n) { return (3u * n * n) / 2u; }
+
+// Barycentric coordinates of the corners of sub-triangle i of s * s, in units of 1 / s: rows of 2 (s - row) - 1 from the first
+// edge up, every second one upside down.
+void sub_triangle(uint i, uint s, out uvec3 a, out uvec3 b, out uvec3 c) {
+    uint row = 0u, k = i;
+    for (; k >= 2u * (s - row) - 1u; row++) k -= 2u * (s - row) - 1u;
+    uint x = k >> 1u;
+    if ((k & 1u) == 0u) {
+        a = uvec3(s - row - x, x, row);
+        b = a + uvec3(-1, 1, 0);
+        c = a + uvec3(-1, 0, 1);
+    } else {
+        a = uvec3(s - row - x - 1u, x + 1u, row);
+        b = a + uvec3(-1, 0, 1);
+        c = a + uvec3(0, -1, 1);
+    }
+}
+
+// Barycentric coordinates, in units of 1 / (9 n), of the centre of small triangle k of level n, and its share of the whole area.
+// The tessellator draws rings of triangles: ring j has m = n - 2 j segments a side, and its small triangles stand in strips, with
+// their bases on the ring or on the next one inside.
+uvec3 small_triangle(uint k, uint n, out float share) {
+    uint j = 0u;
+    uint m = n;
+    for (; m > 1u && k >= 6u * (m - 1u); m -= 2u) {
+        k -= 6u * (m - 1u);
+        j++;
+    }
+    share = m > 1u ? 2.0 / float(3u * n * n) : 1.0 / float(n * n);
+    if (m <= 1u) return uvec3(3u * n);
+    uint strip = 2u * m - 2u;
+    uint side = k / strip, t = k - side * strip;
+    // Sum of the three corners' places along the outer edge, and how many of them are on the inner one.
+    uint x, q = 1u;
+    if (t == 0u) {
+        x = 2u;
+    } else if (t == strip - 1u) {
+        x = 3u * m - 2u;
+    } else {
+        uint i = (t + 1u) >> 1u;
+        bool outer = (t & 1u) != 0u;
+        // The diagonals of the quads between two rings lean towards the middle of the side.
+        bool leans = 2u * i < m;
+        x = 3u * i + (outer ? (leans ? 2u : 1u) : (leans ? 1u : 2u));
+        q = outer ? 1u : 2u;
+    }
+    uint along = 6u * j + 3u * x - q, up = 6u * j + 2u * q;
+    uvec3 b = uvec3(9u * n - along - up, along, up);
+    return side == 0u ? b : side == 1u ? b.zxy : b.yzx;
+}
+
+// A number of the point that stays the same from frame to frame: of its triangle's corners and draw, of the sub-triangle, and of its
+// place in it in units of 1 / (9 n).
+uvec2 point_hash(uvec3 corners, uint draw, uint sub, uvec3 place, uint seed) {
+    uvec4 h = pcg4d(uvec4(corners, draw ^ seed));
+    return pcg4d(h ^ uvec4(sub, place)).xy;
+}
+
+// A number of [0, count) from a hash.
+uint hashed_index(uint hash, uint count) {
+    uint high, low;
+    umulExtended(hash, count, high, low);
+    return high;
+}
+
+// Points that stand for less than `max_area` are drawn by lot where small triangles are thinned, and stand for `max_area`: returns
+// the area, or 0 for those that are left out.
+float point_area(float area, float max_area, uint hash, bool thin) {
+    if (!thin || area >= max_area) return area;
+    return float(hash >> 8u) < area / max_area * 16777216.0 ? max_area : 0.0;
+}
+
+const float PI_OF_DISKS = 3.14159265358979;
+
+Point make_point(vec3 position, vec3 normal, float area, float diagonal, bool double_sided) {
+    uvec2 n = uvec2(clamp(octahedral(normal) * 511.0 + 512.5, 0.0, 1023.0));
+    float radius = sqrt(area / PI_OF_DISKS);
+    uint r = uint(clamp(2047.5 + 96.0 * log2(radius / diagonal), 0.0, 2047.0));
+    return Point(position, n.x | n.y << 10 | r << 20 | (double_sided ? 1u << 31 : 0u));
+}
+
+vec3 point_normal(Point p) { return octahedral_inverse((vec2(p.packed & 1023u, p.packed >> 10 & 1023u) - 512.0) / 511.0); }
+
+float point_radius(Point p, float diagonal) { return diagonal * exp2((float(p.packed >> 20 & 2047u) - 2047.0) / 96.0); }
+
+bool point_is_double_sided(Point p) { return p.packed >> 31 != 0u; }
+
+// By how much a point's radius grows, since the points near it are in other maps: `count` VPLs share the points out, each point
+// considers `considered` of them, could be drawn for `passing` of those, and is drawn for `drawn`.
+float point_enlargement(uint count, uint considered, uint passing, uint drawn) {
+    return sqrt(float(count) / float(considered) * (float(passing) / float(drawn)));
+}

@@ -1,0 +1,20 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// The first pull: from single pixels, which have a distance and a radius alone.
+#include "visibility/pull.glsl"
+
+layout(constant_id = 0) const uint MAP_SIZE = 64;
+layout(constant_id = 1) const bool DISTORTION = true;
+
+layout(r32ui) readonly uniform uimage2D finer;
+
+bool finer_texel(ivec2 texel, out Pulled p) {
+    uint word = imageLoad(finer, texel).r;
+    p = Pulled(pixel_depth(word), pixel_radius(word), 0.0, vec2(0.0));
+    // The interval is the diameter in the world: the projection's scale undone.
+    vec2 place = (vec2(texel & int(MAP_SIZE - 1u)) + 0.5) * (2.0 / float(MAP_SIZE)) - 1.0;
+    float scale = DISTORTION ? 4.0 / (1.0 + dot(place, place)) : 4.0;
+    p.extent = 2.0 * p.radius * p.depth * scale / float(MAP_SIZE);
+    return word != EMPTY;
+}

@@ -1,0 +1,13 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// A pull from one coarse level to the next.
+#include "visibility/pull.glsl"
+
+layout(rg32ui) readonly uniform uimage2D finer;
+
+bool finer_texel(ivec2 texel, out Pulled p) {
+    uvec2 words = imageLoad(finer, texel).rg;
+    p = unpack_pulled(words);
+    return words.x != EMPTY;
+}

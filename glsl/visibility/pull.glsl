@@ -1,0 +1,47 @@
+// The pull phase (Linke 2016, section 3.3.2): a texel of the coarser level is the mean of those of the four below it that lie in the
+// depth interval of the frontmost. Whoever includes it defines
+//     bool finer_texel(ivec2 texel, out Pulled p);
+// a texel of the finer level, if there is anything in it.
+#include "visibility/pulled.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(scalar, push_constant) uniform Params {
+    ivec2 size; // of the coarser level
+} params;
+
+layout(rg32ui) writeonly uniform uimage2D coarser;
+
+bool finer_texel(ivec2 texel, out Pulled p);
+
+void main() {
+    ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(texel, params.size))) return;
+    Pulled from[4];
+    bool there[4];
+    float front = 2.0, limit = 2.0;
+    for (int i = 0; i < 4; i++) {
+        there[i] = finer_texel(2 * texel + ivec2(i & 1, i >> 1), from[i]);
+        bool nearer = there[i] && from[i].depth < front;
+        limit = nearer ? from[i].depth + from[i].extent : limit;
+        front = nearer ? from[i].depth : front;
+    }
+    Pulled sum = Pulled(0.0, 0.0, 0.0, vec2(0.0));
+    float count = 0.0;
+    for (int i = 0; i < 4; i++) {
+        float weight = there[i] && from[i].depth <= limit ? 1.0 : 0.0;
+        // In texels of the coarser level, from its centre.
+        vec2 place = 0.5 * (from[i].offset + vec2(i & 1, i >> 1) - 0.5);
+        sum.depth += weight * from[i].depth;
+        sum.radius += weight * from[i].radius;
+        sum.extent = max(sum.extent, weight * (from[i].depth + from[i].extent));
+        sum.offset += weight * place;
+        count += weight;
+    }
+    uvec2 words = uvec2(EMPTY);
+    if (count > 0.0) {
+        sum.depth /= count;
+        words = pack_pulled(Pulled(sum.depth, sum.radius / count, max(sum.extent - sum.depth, 0.0), sum.offset / count));
+    }
+    imageStore(coarser, texel, uvec4(words, 0u, 0u));
+}

@@ -1,0 +1,21 @@
+// A texel of a coarser level: two words.
+#include "visibility/ism.glsl"
+
+struct Pulled {
+    float depth;  // over `far`
+    float radius; // texels of the finest level
+    float extent; // of the depth interval, over `far`
+    vec2 offset;  // of the place from the texel's centre, in texels of its level
+};
+
+// Where a texel's place may lie, in texels from its centre.
+const float FARTHEST_OFFSET = 8.0;
+
+uvec2 pack_pulled(Pulled p) {
+    uint offset = packSnorm4x8(vec4(p.offset / FARTHEST_OFFSET, 0.0, 0.0)) & 0xffffu;
+    return uvec2(pack_pixel(p.depth, p.radius), packHalf2x16(vec2(p.extent, 0.0)) << 16 | offset);
+}
+
+Pulled unpack_pulled(uvec2 words) {
+    return Pulled(pixel_depth(words.x), pixel_radius(words.x), unpackHalf2x16(words.y >> 16).x, unpackSnorm4x8(words.y & 0xffffu).xy * FARTHEST_OFFSET);
+}

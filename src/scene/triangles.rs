@@ -1,0 +1,168 @@
+//! A scene's triangles as the points of imperfect shadow maps are made from them: positions by themselves, the triangles in chunks
+//! that a workgroup takes, and how large they are.
+
+use super::Scene;
+use crate::gpu::{BufferId, Gpu};
+use crate::graph::{Buffer, Graph};
+use crate::shader_struct;
+use anyhow::Result;
+use rayon::prelude::*;
+
+shader_struct! {
+    /// Triangles of one draw for one workgroup: `glsl/visibility/points-computed.comp`.
+    pub struct ChunkData {
+        pub first_index: u32,
+        pub triangles: u32,
+        pub vertex_offset: u32,
+        pub draw: u32,
+        /// Of `slices` workgroups that share the chunk's points out.
+        pub slice: u32,
+        pub slices: u32,
+    }
+}
+
+/// Triangles of a chunk at most: the workgroup's size.
+const CHUNK: u32 = 64;
+/// Points that a workgroup should make at most, roughly.
+const POINTS_A_GROUP: f64 = 2048.0;
+
+/// See the module's page. The device owns the buffers.
+pub struct Triangles {
+    pub positions: BufferId,
+    pub vertex_count: u32,
+    pub index_count: u32,
+    chunks: Vec<(ChunkData, f32)>,
+    areas: Areas,
+}
+
+/// The triangles' buffers in one frame's graph.
+#[derive(Debug, Clone, Copy)]
+pub struct TriangleHandles {
+    pub positions: Buffer,
+    pub indices: Buffer,
+}
+
+impl Triangles {
+    pub fn upload(gpu: &mut Gpu, scene: &Scene) -> Result<Self> {
+        let positions: Vec<[f32; 3]> = scene.vertices.par_iter().map(|vertex| vertex.position).collect();
+        let (mut chunks, mut areas) = (Vec::new(), Areas::default());
+        for (number, draw) in scene.draws.iter().enumerate() {
+            let corners: Vec<_> = scene.draw_vertices(draw).map(|v| draw.transform.transform_point3(v.position.into())).collect();
+            for (i, triangles) in corners.chunks(3 * CHUNK as usize).enumerate() {
+                let mut sum = 0.0;
+                for t in triangles.chunks_exact(3) {
+                    let area = 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).length();
+                    areas.add(area);
+                    sum += area;
+                }
+                let chunk = ChunkData {
+                    first_index: draw.first_index + 3 * CHUNK * i as u32,
+                    triangles: triangles.len() as u32 / 3,
+                    vertex_offset: draw.vertex_offset,
+                    draw: number as u32,
+                    slice: 0,
+                    slices: 1,
+                };
+                chunks.push((chunk, sum));
+            }
+        }
+        Ok(Self {
+            positions: gpu.create_filled_buffer("scene/positions", bytemuck::cast_slice(&positions))?,
+            vertex_count: positions.len() as u32,
+            index_count: scene.indices.len() as u32,
+            chunks,
+            areas,
+        })
+    }
+
+    /// The buffers as this frame's resources.
+    pub fn import(&self, g: &mut Graph, indices: BufferId) -> TriangleHandles {
+        TriangleHandles {
+            positions: g.import_buffer::<[f32; 3]>("scene/positions", self.positions, self.vertex_count),
+            indices: g.import_buffer::<u32>("scene/indices", indices, self.index_count),
+        }
+    }
+
+    /// A workgroup an element: chunks of which `max_area` makes many points go to several.
+    pub fn chunks(&self, max_area: f32) -> Vec<ChunkData> {
+        let slices = |(chunk, area): &(ChunkData, f32)| {
+            let points = f64::from(chunk.triangles) + 1.5 * f64::from(*area) / f64::from(max_area);
+            let slices = (points / POINTS_A_GROUP).ceil().clamp(1.0, 4096.0) as u32;
+            let chunk = *chunk;
+            (0..slices).map(move |slice| ChunkData { slice, slices, ..chunk })
+        };
+        self.chunks.iter().flat_map(slices).collect()
+    }
+
+    /// The largest small triangle's area, m^2, that gives about so many points; see `glsl/visibility/point.glsl`. Every triangle gives
+    /// at least one unless small ones are thinned.
+    pub fn max_area(&self, points: u32, thin: bool) -> f32 {
+        self.areas.max_area(f64::from(points), thin)
+    }
+
+    /// How many points an area gives.
+    pub fn points(&self, max_area: f32, thin: bool) -> f64 {
+        self.areas.points(max_area, thin)
+    }
+}
+
+/// How many triangles there are of each size: bins of the area's logarithm.
+#[derive(Debug, Clone)]
+struct Areas {
+    /// Triangles, and the sum of their areas.
+    bins: Vec<(f64, f64)>,
+}
+
+impl Default for Areas {
+    fn default() -> Self {
+        Self { bins: vec![(0.0, 0.0); Self::BINS] }
+    }
+}
+
+impl Areas {
+    const BINS: usize = 4096;
+    const PER_OCTAVE: f32 = 48.0;
+
+    fn add(&mut self, area: f32) {
+        if area > 0.0 {
+            let bin = (area.log2() * Self::PER_OCTAVE) as i64 + Self::BINS as i64 / 2;
+            let (count, sum) = &mut self.bins[bin.clamp(0, Self::BINS as i64 - 1) as usize];
+            *count += 1.0;
+            *sum += f64::from(area);
+        }
+    }
+
+    fn points(&self, max_area: f32, thin: bool) -> f64 {
+        let max_area = f64::from(max_area);
+        if thin {
+            return self.bins.iter().map(|(_, sum)| sum).sum::<f64>() / max_area;
+        }
+        let some = self.bins.iter().filter(|(count, _)| *count > 0.0);
+        some.map(|(count, sum)| count * points_of_triangle(sum / count, max_area)).sum()
+    }
+
+    fn max_area(&self, points: f64, thin: bool) -> f32 {
+        let total: f64 = self.bins.iter().map(|(_, sum)| sum).sum();
+        if thin {
+            return (total / points) as f32;
+        }
+        // The more area a point stands for, the fewer there are.
+        let (mut low, mut high) = (total.max(1e-30).ln() - 40.0, total.max(1e-30).ln() + 1.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if self.points(middle.exp() as f32, thin) > points { low = middle } else { high = middle }
+        }
+        high.exp() as f32
+    }
+}
+
+/// Points of a triangle, as `subdivision` of `glsl/visibility/point.glsl` gives them.
+fn points_of_triangle(area: f64, max_area: f64) -> f64 {
+    let level = |area: f64| if area <= max_area { 1.0 } else { (area * (2.0 / 3.0) / max_area).sqrt().ceil().max(2.0) };
+    let split = (level(area) / MOST_LEVEL).ceil();
+    let n = level(area / (split * split)).min(MOST_LEVEL);
+    split * split * (1.5 * n * n).floor()
+}
+
+/// The tessellation level that no driver loses patches with, of `glsl/visibility/point.glsl`.
+const MOST_LEVEL: f64 = 15.0;

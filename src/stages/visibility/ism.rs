@@ -1,0 +1,113 @@
+//! Imperfect shadow maps (Ritschel et al. 2008; Linke 2016, sections 3.3 and 4.4): a small paraboloid map for every VPL, made of
+//! points that stand for the scene's triangles, each map of other points.
+
+use super::points::{self, Points};
+use super::{Surroundings, Visibility, VisibilityConfig, pull_push};
+use crate::config::IsmRenderer;
+use crate::gpu::Format;
+use crate::graph::{Graph, Image};
+use crate::shader_struct;
+use crate::stages::vpls::Vpls;
+
+shader_struct! {
+    struct ClearParams {
+        size: [i32; 2],
+    }
+
+    struct SinglePixelParams {
+        count: u32,
+        capacity: u32,
+        considered: u32,
+        collected: u32,
+        columns: u32,
+        far: f32,
+        diagonal: f32,
+    }
+}
+
+/// The maps of all VPLs, side by side in one image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ism {
+    /// Distances over `far`, and 1 where there is nothing.
+    pub maps: Image,
+    /// Side of a map, texels: a power of two.
+    pub size: u32,
+    /// Maps side by side; VPL i has column `i % columns`, row `i / columns`.
+    pub columns: u32,
+    /// The scene's diagonal, metres.
+    pub far: f32,
+    /// In widths of a texel.
+    pub bias: f32,
+}
+
+/// Columns and rows of the square of maps that holds `count`; full rows first.
+fn layout(count: u32) -> [u32; 2] {
+    let columns = f64::from(count).sqrt().ceil() as u32;
+    [columns, count.div_ceil(columns)]
+}
+
+/// Points that a partition holds: what the config says, or so many that none overflows but by a wonder.
+pub fn partition_capacity(config: &VisibilityConfig, points: f64, partitions: u32) -> u32 {
+    let mean = points / f64::from(partitions);
+    let enough = mean + 10.0 * mean.sqrt() + 32.0;
+    config.capacity.unwrap_or((enough as u32).next_multiple_of(64))
+}
+
+/// Renders the maps with the config's renderer.
+pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Visibility {
+    let maps = match config.renderer {
+        IsmRenderer::SinglePixel => single_pixel(g, around, vpls, config),
+        IsmRenderer::Splat => todo!(),
+    };
+    let far = around.scene.bounds.size().length();
+    Visibility::Ism(Ism { maps, size: config.map_size, columns: layout(vpls.count)[0], far, bias: config.bias })
+}
+
+/// Points as single pixels, and the holes between them filled (section 4.4.3 and 4.4.4).
+fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
+    let points = points::collect(g, around, vpls.count, config);
+    let [columns, rows] = layout(vpls.count);
+    let size = [columns * config.map_size, rows * config.map_size];
+    let target = g.image("visibility/single-pixels", Format::R32Uint, size);
+    g.compute("visibility/clear").writes("target", target).params(&ClearParams { size: size.map(|n| n as i32) }).dispatch([
+        size[0].div_ceil(4),
+        size[1],
+        1,
+    ]);
+    draw_single_pixels(g, around, vpls, &points, target, columns, config);
+    pull_push::fill(g, target, config)
+}
+
+fn draw_single_pixels(
+    g: &mut Graph,
+    around: Surroundings<'_>,
+    vpls: &Vpls,
+    points: &Points,
+    target: Image,
+    columns: u32,
+    config: &VisibilityConfig,
+) {
+    let considered = config.considered.unwrap_or(16).min(vpls.count);
+    let diagonal = around.scene.bounds.size().length();
+    let dropped = g.count("visibility/dropped-points");
+    let drawn = g.count("visibility/drawn-points");
+    g.compute("visibility/single-pixel")
+        .reads("points", points.points)
+        .reads("fill", points.fill)
+        .reads("vpls", vpls.points)
+        .updates("target", target)
+        .updates("dropped", dropped)
+        .updates("drawn", drawn)
+        .constant("MAP_SIZE", config.map_size)
+        .constant("DISTORTION", config.distortion)
+        .params(&SinglePixelParams {
+            count: vpls.count,
+            capacity: points.capacity,
+            considered,
+            collected: config.collected.unwrap_or(4).min(considered),
+            columns,
+            far: diagonal,
+            diagonal,
+        })
+        .dispatch_groups([points.partitions, 1, 1]);
+}

@@ -1,0 +1,75 @@
+//! Points from the scene's triangles, in a partition a VPL (Linke 2016, section 4.4.1). `glsl/visibility/point.glsl` has the rule.
+
+use super::ism::partition_capacity;
+use super::{Surroundings, VisibilityConfig};
+use crate::config::Collect;
+use crate::graph::{Buffer, Graph};
+use crate::scene::triangles::ChunkData;
+use crate::shader_struct;
+
+shader_struct! {
+    /// `glsl/visibility/point.glsl`.
+    pub struct Point {
+        pub position: [f32; 3],
+        pub packed: u32,
+    }
+
+    /// Of the passes that make points.
+    pub struct PointsParams {
+        /// Of a small triangle, m^2.
+        pub max_area: f32,
+        /// Of the scene's bounds, metres.
+        pub diagonal: f32,
+        pub partitions: u32,
+        pub capacity: u32,
+        pub seed: u32,
+    }
+}
+
+/// Points by partition.
+#[derive(Debug, Clone, Copy)]
+pub struct Points {
+    /// `capacity` a partition.
+    pub points: Buffer,
+    /// How many points came to each partition; where they are more than `capacity`, it has lost some.
+    pub fill: Buffer,
+    pub partitions: u32,
+    pub capacity: u32,
+}
+
+/// Makes the points by the config's way.
+pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, config: &VisibilityConfig) -> Points {
+    let table = &around.scene.triangle_table;
+    let max_area = table.max_area(config.point_count, config.thin);
+    let capacity = partition_capacity(config, table.points(max_area, config.thin), partitions);
+    let points = Points {
+        points: g.buffer::<Point>("visibility/points", partitions * capacity),
+        fill: g.zeroed::<u32>("visibility/fill", partitions),
+        partitions,
+        capacity,
+    };
+    let diagonal = around.scene.bounds.size().length();
+    let params = PointsParams { max_area, diagonal, partitions, capacity, seed: around.seed };
+    match config.collect {
+        Collect::Compute => computed(g, around, points, &params, config.thin),
+        Collect::Tessellation => todo!(),
+    }
+    points
+}
+
+/// An invocation a point, on all cores.
+fn computed(g: &mut Graph, around: Surroundings<'_>, points: Points, params: &PointsParams, thin: bool) {
+    let chunks = around.scene.triangle_table.chunks(params.max_area);
+    let groups = chunks.len() as u32;
+    let chunks = g.upload::<ChunkData>("visibility/chunks", &chunks);
+    g.compute("visibility/points-computed")
+        .reads("chunks", chunks)
+        .reads("draws", around.handles.draws)
+        .reads("positions", around.handles.triangles.positions)
+        .reads("indices", around.handles.triangles.indices)
+        .writes("points", points.points)
+        .updates("fill", points.fill)
+        .constant("THIN", thin)
+        .params(params)
+        .dispatch_groups([groups, 1, 1]);
+}

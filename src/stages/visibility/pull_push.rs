@@ -1,0 +1,78 @@
+//! Surfaces from single pixels (Marroquim et al. 2007; Linke 2016, section 4.4.4): the pull phase condenses four texels into one of
+//! the next coarser level, the push phase fills what is empty or hidden from the coarser one.
+
+use super::VisibilityConfig;
+use crate::gpu::Format;
+use crate::graph::{Graph, Image};
+use crate::shader_struct;
+
+shader_struct! {
+    struct PullParams {
+        size: [i32; 2],
+    }
+
+    struct PushParams {
+        size: [i32; 2],
+        tile: i32,
+        /// Of the finer level's texels in one of the finest level's.
+        scale: f32,
+    }
+}
+
+const PULL: [&str; 8] = [
+    "visibility/pull-1",
+    "visibility/pull-2",
+    "visibility/pull-3",
+    "visibility/pull-4",
+    "visibility/pull-5",
+    "visibility/pull-6",
+    "visibility/pull-7",
+    "visibility/pull-8",
+];
+const PUSH: [&str; 8] = [
+    "visibility/push-0",
+    "visibility/push-1",
+    "visibility/push-2",
+    "visibility/push-3",
+    "visibility/push-4",
+    "visibility/push-5",
+    "visibility/push-6",
+    "visibility/push-7",
+];
+
+/// Fills the holes of maps of single pixels; passes are named by the level that they write.
+pub(super) fn fill(g: &mut Graph, pixels: Image, config: &VisibilityConfig) -> Image {
+    // The coarsest level has one texel a map.
+    let levels = config.map_size.ilog2() as usize;
+    let size = |level: usize| pixels.size.map(|n| n >> level);
+    let signed = |level: usize| size(level).map(|n| n as i32);
+    let pulled: Vec<Image> =
+        (1..=levels).map(|level| g.image(&format!("visibility/pulled-{level}"), Format::Rg32Uint, size(level))).collect();
+    for level in 1..=levels {
+        let pass = g.compute(PULL[level - 1]);
+        let pass = if level == 1 {
+            pass.shader("visibility/pull-first")
+                .reads("finer", pixels)
+                .constant("MAP_SIZE", config.map_size)
+                .constant("DISTORTION", config.distortion)
+        } else {
+            pass.shader("visibility/pull").reads("finer", pulled[level - 2])
+        };
+        pass.writes("coarser", pulled[level - 1]).params(&PullParams { size: signed(level) }).dispatch([size(level)[0], size(level)[1], 1]);
+    }
+    let maps = g.image("visibility/maps", Format::R32Float, pixels.size);
+    for level in (0..levels).rev() {
+        let pass = g.compute(PUSH[level]);
+        let pass = if level == 0 {
+            pass.shader("visibility/push-last").reads("finer", pixels).writes("maps", maps)
+        } else {
+            pass.shader("visibility/push").updates("finer", pulled[level - 1])
+        };
+        // An invocation fills the four texels around a corner of the coarser level's.
+        pass.reads("coarser", pulled[level])
+            .constant("CLAMP", config.clamp)
+            .params(&PushParams { size: signed(level), tile: (config.map_size >> level) as i32, scale: 1.0 / (1u32 << level) as f32 })
+            .dispatch([size(level + 1)[0] + 1, size(level + 1)[1] + 1, 1]);
+    }
+    maps
+}
