@@ -12,9 +12,10 @@ layout(r32ui) readonly uniform uimage2D finer;
 bool finer_texel(ivec2 texel, out Pulled p) {
     uint word = imageLoad(finer, texel).r;
     p = Pulled(pixel_depth(word), pixel_radius(word), 0.0, vec2(0.0));
-    // The interval is the diameter in the world: the projection's scale undone.
+    // The interval is the diameter in the world: the projection's scale undone, and, on the average of all angles, what the disk
+    // lost by being seen aslant.
     vec2 place = (vec2(texel & int(MAP_SIZE - 1u)) + 0.5) * (2.0 / float(MAP_SIZE)) - 1.0;
     float scale = DISTORTION ? 4.0 / (1.0 + dot(place, place)) : 4.0;
-    p.extent = 2.0 * p.radius * p.depth * scale / float(MAP_SIZE);
+    p.extent = (DISTORTION ? 3.0 : 2.0) * p.radius * p.depth * scale / float(MAP_SIZE);
     return word != EMPTY;
 }

@@ -20,6 +20,7 @@ layout(scalar, push_constant) uniform Params {
     uint columns;    // maps side by side
     float far;       // distance that the maps end at, metres
     float diagonal;
+    float enlarge;   // all points
 } params;
 
 layout(scalar) readonly buffer Points { Point at[]; } points;
@@ -62,7 +63,7 @@ void main() {
         uint passing = bitCount(seen), rest = min(passing, params.collected);
         total += rest;
         float radius = point_radius(point, params.diagonal);
-        radius *= point_enlargement(params.count, params.considered, passing, max(rest, 1u));
+        radius *= params.enlarge * point_enlargement(params.count, params.considered, passing, max(rest, 1u));
         for (uint k = 0u; k < params.considered; k++) {
             if ((seen >> k & 1u) != 0u && rest > 0u) {
                 rest--;
@@ -71,7 +72,9 @@ void main() {
                 vec3 w = way * axes[k] / d;
                 vec2 p = paraboloid(w);
                 ivec2 texel = clamp(ivec2((p * 0.5 + 0.5) * float(MAP_SIZE)), ivec2(0), ivec2(MAP_SIZE - 1u));
-                float size = paraboloid_radius(radius, d, w.z, DISTORTION) * (0.5 * float(MAP_SIZE));
+                // A disk seen aslant covers less.
+                float seen_radius = DISTORTION ? radius * sqrt(abs(dot(normal, way)) / d) : radius;
+                float size = paraboloid_radius(seen_radius, d, w.z, DISTORTION) * (0.5 * float(MAP_SIZE));
                 uint word = pack_pixel(d / params.far, size);
                 // Most points lose, and to look first is cheaper than to be told.
                 ivec2 at = corner[k] + texel;

@@ -131,11 +131,12 @@ pub struct VisibilityConfig {
     pub distortion: bool,
     /// Whether points and what is made of them stay in their own map.
     pub clamp: bool,
-    /// Multiplies the radius of splats, over 0 to 16.
-    pub enlarge: f32,
+    /// Multiplies the points' radius, over 0 to 16: disks at random leave holes; 1.25 for single pixels and 1.5 for splats if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub enlarge: Option<f32>,
     /// Whether a point's normal limits its size.
     pub normals: bool,
-    /// How far behind a map's surface a receiver still is lit, in units of a texel's width there; 0 to 64.
+    /// How far behind a map's surface a receiver still is lit, in units of what the map resolves there; 0 to 64.
     pub bias: f32,
 }
 
@@ -153,9 +154,9 @@ impl Default for VisibilityConfig {
             collected: None,
             distortion: true,
             clamp: true,
-            enlarge: 1.5,
+            enlarge: None,
             normals: false,
-            bias: 1.0,
+            bias: 0.75,
         }
     }
 }

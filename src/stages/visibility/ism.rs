@@ -22,6 +22,7 @@ shader_struct! {
         columns: u32,
         far: f32,
         diagonal: f32,
+        enlarge: f32,
     }
 }
 
@@ -60,7 +61,26 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, confi
         IsmRenderer::Splat => todo!(),
     };
     let far = around.scene.bounds.size().length();
-    Visibility::Ism(Ism { maps, size: config.map_size, columns: layout(vpls.count)[0], far, bias: config.bias })
+    Visibility::Ism(Ism { maps, size: config.map_size, columns: layout(vpls.count)[0], far, bias: bias(config, vpls.count) })
+}
+
+/// How coarse a map is, in texels: its texels, and the distances between its points. The receiver is compared so far behind it.
+fn bias(config: &VisibilityConfig, count: u32) -> f32 {
+    let points = config.point_count as f32 * collected(config, count) as f32 / count as f32;
+    let texels = config.map_size as f32;
+    config.bias * (1.0 + texels * texels / (4.0 * points)).sqrt()
+}
+
+/// VPLs that a point is considered for.
+fn considered(config: &VisibilityConfig, count: u32) -> u32 {
+    let default = if config.renderer == IsmRenderer::Splat { 1 } else { 16 };
+    config.considered.unwrap_or(default).min(count)
+}
+
+/// VPLs that a point is drawn for, at most.
+fn collected(config: &VisibilityConfig, count: u32) -> u32 {
+    let default = if config.renderer == IsmRenderer::Splat { 1 } else { 4 };
+    config.collected.unwrap_or(default).min(considered(config, count))
 }
 
 /// Points as single pixels, and the holes between them filled (section 4.4.3 and 4.4.4).
@@ -87,7 +107,6 @@ fn draw_single_pixels(
     columns: u32,
     config: &VisibilityConfig,
 ) {
-    let considered = config.considered.unwrap_or(16).min(vpls.count);
     let diagonal = around.scene.bounds.size().length();
     let dropped = g.count("visibility/dropped-points");
     let drawn = g.count("visibility/drawn-points");
@@ -103,11 +122,12 @@ fn draw_single_pixels(
         .params(&SinglePixelParams {
             count: vpls.count,
             capacity: points.capacity,
-            considered,
-            collected: config.collected.unwrap_or(4).min(considered),
+            considered: considered(config, vpls.count),
+            collected: collected(config, vpls.count),
             columns,
             far: diagonal,
             diagonal,
+            enlarge: config.enlarge.unwrap_or(1.25),
         })
         .dispatch_groups([points.partitions, 1, 1]);
 }
