@@ -15,7 +15,7 @@ bool finer_texel(ivec2 texel, out Pulled p) {
     // The interval is the diameter in the world: the projection's scale undone, and, on the average of all angles, what the disk
     // lost by being seen aslant.
     vec2 place = (vec2(texel & int(MAP_SIZE - 1u)) + 0.5) * (2.0 / float(MAP_SIZE)) - 1.0;
-    float scale = DISTORTION ? 4.0 / (1.0 + dot(place, place)) : 4.0;
-    p.extent = (DISTORTION ? 3.0 : 2.0) * p.radius * p.depth * scale / float(MAP_SIZE);
+    float scale = DISTORTION ? 6.0 / (1.0 + dot(place, place)) : 4.0;
+    p.extent = 2.0 * p.radius * p.depth * scale / float(MAP_SIZE);
     return word != EMPTY;
 }
