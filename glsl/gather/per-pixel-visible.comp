@@ -5,7 +5,7 @@
 #extension GL_KHR_shader_subgroup_ballot : require
 // Pixels see those VPLs whose bits are set: a word for 32 of the pixel's set, layer after layer.
 #include "gather/unshadowed.glsl"
-#include "gather/per-pixel.glsl"
+#include "gather/every.glsl"
 
 uniform usampler2DArray visible;
 

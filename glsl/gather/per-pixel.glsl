@@ -2,12 +2,13 @@
 // apart, so that all of it runs through the same VPLs while it reads and writes the G-buffer's own pixels (Linke 2016, 4.5). Whoever includes it
 // defines
 //     uvec4 seen(ivec2 pixel, uint index);
-// which of four VPLs of the pixel's set, from number `index` on, the pixels see: bit i of a word for VPL index + i, a word for each
-// of the pixels at the given one, a step across, down, and both; and
+// which VPLs of the pixel's set, from number `index` on, the pixels see: bit i of a word for VPL index + i, up to the next multiple
+// of 32, a word for each of the pixels at the given one, a step across, down, and both; and
 //     Shadow shadow_of(uint vpl, vec3 facing);
 //     float lit(Shadow shadow, vec3 way, float squared, float from, float to);
 // what a VPL's shadow test needs, and the test: `way` to the VPL, its squared length, and the cosines to the VPL's normal and to the
 // receiver's, both times the length.
+#include "gather/cluster.glsl"
 #include "lib/color.glsl"
 #include "lib/packing.glsl"
 #include "lib/view.glsl"
@@ -38,15 +39,17 @@ struct Receiver {
     vec3 position;
     vec3 normal;
     vec3 sum;
+    float distance; // along the view's axis; 0 where there is no surface
 };
 
 Receiver receiver(ivec2 pixel) {
-    Receiver r = Receiver(pixel, vec3(0.0), vec3(0.0), vec3(0.0));
+    Receiver r = Receiver(pixel, vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
     if (all(lessThan(uvec2(pixel), uvec2(view.it.width, view.it.height)))) {
         float z = texelFetch(depth, pixel, 0).r;
         if (z > 0.0) {
             r.position = view_position(view.it, pixel, z);
             r.normal = octahedral_inverse(texelFetch(normal, pixel, 0).xy);
+            r.distance = view.it.near / z;
         }
     }
     return r;
@@ -60,6 +63,18 @@ struct Vpl {
     Shadow shadow;
 };
 
+// VPL number `index`; one that is not `there` is dark.
+Vpl vpl(uint index, bool there) {
+    VplPoint point = points.at[index];
+    vec3 facing = octahedral_snorm16_inverse(point.normal);
+    return Vpl(point.position, facing, there ? intensities.at[index] : vec3(0.0), shadow_of(index, facing));
+}
+
+Vpl hand_round(Vpl mine, uint lane) {
+    return Vpl(subgroupBroadcast(mine.position, lane), subgroupBroadcast(mine.facing, lane), subgroupBroadcast(mine.intensity, lane),
+               HAND_SHADOW_ROUND(mine.shadow, lane));
+}
+
 // A VPL radiates intensity * cosine; d_min bounds what nears infinity as the two points meet.
 void shade(inout Receiver r, Vpl vpl, float visible) {
     vec3 way = vpl.position - r.position;
@@ -69,18 +84,13 @@ void shade(inout Receiver r, Vpl vpl, float visible) {
     r.sum += vpl.intensity * (weight * lit(vpl.shadow, way, squared, from, to));
 }
 
-#define HAND_ROUND(lane, i) { \
-    Vpl vpl = hand_round(mine, lane + i); \
-    vec4 visible = vec4((see >> i) & 1u); \
-    shade(a, vpl, visible.x); \
-    shade(b, vpl, visible.y); \
-    shade(c, vpl, visible.z); \
-    shade(d, vpl, visible.w); \
-}
-
-Vpl hand_round(Vpl mine, uint lane) {
-    return Vpl(subgroupBroadcast(mine.position, lane), subgroupBroadcast(mine.facing, lane), subgroupBroadcast(mine.intensity, lane),
-               HAND_SHADOW_ROUND(mine.shadow, lane));
+#define HAND_ROUND(lane) { \
+    Vpl it = hand_round(mine, lane); \
+    vec4 visible = vec4((see >> (lane)) & 1u); \
+    shade(a, it, visible.x); \
+    shade(b, it, visible.y); \
+    shade(c, it, visible.z); \
+    shade(d, it, visible.w); \
 }
 
 void store(Receiver r) {
@@ -88,41 +98,11 @@ void store(Receiver r) {
     imageStore(irradiance, r.pixel, vec4(min(r.sum * float(INTERLEAVE * INTERLEAVE), LARGEST_HALF), 1.0));
 }
 
-void main() {
-    // Neighbouring workgroups take the sample sets of the same block of pixels. An invocation shades 2 x 2 of its set, so that a
-    // VPL is fetched once for all four.
-    uvec2 set = gl_WorkGroupID.xy % INTERLEAVE;
-    uvec2 block = gl_WorkGroupID.xy / INTERLEAVE * gl_WorkGroupSize.xy * 2u * INTERLEAVE;
-    ivec2 pixel = ivec2(block + gl_LocalInvocationID.xy * 2u * INTERLEAVE + set);
-    const int STEP = int(INTERLEAVE);
-    Receiver a = receiver(pixel);
-    Receiver b = receiver(pixel + ivec2(STEP, 0));
-    Receiver c = receiver(pixel + ivec2(0, STEP));
-    Receiver d = receiver(pixel + ivec2(STEP, STEP));
+// Neighbouring workgroups take the sample sets of the same block of pixels. An invocation shades 2 x 2 of its set, so that a VPL is
+// fetched once for all four.
+uvec2 sample_set() { return gl_WorkGroupID.xy % INTERLEAVE; }
 
-    const uint SETS = INTERLEAVE * INTERLEAVE;
-    uint first = set.y * INTERLEAVE + set.x;
-    uint count = first < params.count ? (params.count - first + SETS - 1u) / SETS : 0u;
-    // Each invocation of a subgroup fetches and unpacks another VPL and hands it round; all add up all of them in the same order,
-    // whatever the subgroup's size.
-    uint lanes = min(gl_SubgroupSize, gl_WorkGroupSize.x * gl_WorkGroupSize.y);
-    for (uint start = 0u; start < count; start += lanes) {
-        uint index = first + min(start + gl_SubgroupInvocationID, count - 1u) * SETS;
-        VplPoint point = points.at[index];
-        vec3 facing = octahedral_snorm16_inverse(point.normal);
-        vec3 intensity = start + gl_SubgroupInvocationID < count ? intensities.at[index] : vec3(0.0);
-        Vpl mine = Vpl(point.position, facing, intensity, shadow_of(index, facing));
-        // Four at a time: llvmpipe ends all loops of an invocation together after 65,535 turns.
-        for (uint lane = 0u; lane < lanes; lane += 4u) {
-            uvec4 see = seen(pixel, start + lane);
-            HAND_ROUND(lane, 0u)
-            HAND_ROUND(lane, 1u)
-            HAND_ROUND(lane, 2u)
-            HAND_ROUND(lane, 3u)
-        }
-    }
-    store(a);
-    store(b);
-    store(c);
-    store(d);
-}
+// Of the pixels that a workgroup and those beside it with other sets share out.
+ivec2 block_corner(uvec2 group) { return ivec2(group / INTERLEAVE * gl_WorkGroupSize.xy * 2u * INTERLEAVE); }
+
+ivec2 first_pixel() { return block_corner(gl_WorkGroupID.xy) + ivec2(gl_LocalInvocationID.xy * 2u * INTERLEAVE + sample_set()); }

@@ -2,8 +2,8 @@
 //! it, and the README's table is made from it; the defaults come from the types.
 
 use super::{
-    Builtin, Collect, Config, Dielectric, FilterKind, GatherMethod, Interpolation, IsmRenderer, Layer, Shadows, TimingMode, Tonemap,
-    VisibilityMethod, VplSampler,
+    Builtin, Collect, Config, Culling, Dielectric, FilterKind, GatherMethod, Interpolation, IsmRenderer, Layer, Shadows, TimingMode,
+    Tonemap, VisibilityMethod, VplSampler,
 };
 use serde::Deserialize;
 use serde::de::{self, Visitor};
@@ -253,6 +253,11 @@ fn list() -> Vec<KeyInfo> {
         key("visibility.bias", from(0.0, 64.0), "How far behind a map's surface is still lit, in units of what the map resolves there"),
         key("gather.method", Choice(choices::<GatherMethod>()), "How the lights are summed at the pixels"),
         key("gather.interleave", OneOf(&[1, 2, 4, 8]), "Side of the block of pixels that share out the lights"),
+        key(
+            "gather.culling",
+            Choice(choices::<Culling>()),
+            "How lights that cannot shine on pixels are left out; the picture stays the same",
+        ),
         key("gather.min_distance", from(0.0, 1e6), "Below this distance a light gets no brighter, metres; 0 turns it off"),
         key("filter.kind", Choice(choices::<FilterKind>()), "How the indirect light is smoothed"),
         absent("filter.radius", Whole { min: 1, max: 32 }, "from `gather.interleave`", "Where a neighbour's weight reaches 0, pixels away"),

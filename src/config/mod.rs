@@ -17,9 +17,9 @@ pub(crate) use load::{Base, document, read_text};
 pub use load::{load, parse, to_toml};
 pub use scene::{Builtin, CameraConfig, CameraKeyframe, Interpolation, LightConfig, LightKeyframe, SceneConfig, SceneSelector};
 pub use stages::{
-    BoxConfig, Collect, ComposeConfig, Dielectric, DirectConfig, FilterConfig, FilterKind, FrameConfig, GatherConfig, GatherMethod,
-    IsmRenderer, Layer, MaterialsConfig, OutputConfig, RsmConfig, Shadows, TimingMode, Tonemap, VisibilityConfig, VisibilityMethod,
-    VplSampler, VplsConfig,
+    BoxConfig, Collect, ComposeConfig, Culling, Dielectric, DirectConfig, FilterConfig, FilterKind, FrameConfig, GatherConfig,
+    GatherMethod, IsmRenderer, Layer, MaterialsConfig, OutputConfig, RsmConfig, Shadows, TimingMode, Tonemap, VisibilityConfig,
+    VisibilityMethod, VplSampler, VplsConfig,
 };
 
 use serde::{Deserialize, Serialize};

@@ -202,13 +202,14 @@ pub struct GatherConfig {
     pub method: GatherMethod,
     /// Each pixel of a block of this side length sums another subset of the lights: 1, 2, 4 or 8.
     pub interleave: u32,
+    pub culling: Culling,
     /// The distance d_min, in metres, below which a light does not get brighter; 0 turns it off. At most 1,000,000.
     pub min_distance: f32,
 }
 
 impl Default for GatherConfig {
     fn default() -> Self {
-        Self { method: GatherMethod::PerPixel, interleave: 4, min_distance: 0.3 }
+        Self { method: GatherMethod::PerPixel, interleave: 4, culling: Culling::Tiled, min_distance: 0.3 }
     }
 }
 
@@ -218,6 +219,18 @@ pub enum GatherMethod {
     /// Every pixel sums every light of its subset.
     #[default]
     PerPixel,
+}
+
+/// How virtual point lights are left out that cannot shine on pixels. It never changes the picture.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Culling {
+    None,
+    /// By what a workgroup's pixels span, in the gather itself.
+    #[default]
+    Tiled,
+    /// By light lists of clusters: tiles of 128 pixels and 16 slices of depth.
+    Clustered,
 }
 
 /// `[filter]`: how the indirect irradiance is smoothed over the pixels' subsets.
