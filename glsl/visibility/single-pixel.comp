@@ -14,6 +14,7 @@ layout(constant_id = 1) const bool DISTORTION = true;
 
 layout(scalar, push_constant) uniform Params {
     uint count;      // VPLs
+    uint shares;     // VPLs that share the points out: all, or 1 where each has points of its own
     uint capacity;   // points of a partition
     uint considered; // VPLs a point, at most 32
     uint collected;  // of them
@@ -63,7 +64,7 @@ void main() {
         uint passing = bitCount(seen), rest = min(passing, params.collected);
         total += rest;
         float radius = point_radius(point, params.diagonal);
-        radius *= params.enlarge * point_enlargement(params.count, params.considered, passing, max(rest, 1u));
+        radius *= params.enlarge * point_enlargement(params.shares, params.considered, passing, max(rest, 1u));
         for (uint k = 0u; k < params.considered; k++) {
             if ((seen >> k & 1u) != 0u && rest > 0u) {
                 rest--;

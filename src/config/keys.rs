@@ -2,8 +2,8 @@
 //! it, and the README's table is made from it; the defaults come from the types.
 
 use super::{
-    Builtin, Collect, Config, Culling, Dielectric, FilterKind, GatherMethod, Interpolation, IsmRenderer, Layer, Shadows, TimingMode,
-    Tonemap, VisibilityMethod, VplSampler,
+    Builtin, Collect, Config, Culling, Dielectric, FilterKind, GatherMethod, Interpolation, IsmRenderer, Layer, PointSet, Shadows,
+    TimingMode, Tonemap, VisibilityMethod, VplSampler,
 };
 use serde::Deserialize;
 use serde::de::{self, Visitor};
@@ -235,6 +235,7 @@ fn list() -> Vec<KeyInfo> {
         key("visibility.method", Choice(choices::<VisibilityMethod>()), "How a virtual point light's shadows are found"),
         key("visibility.renderer", Choice(choices::<IsmRenderer>()), "How points get into imperfect shadow maps"),
         key("visibility.collect", Choice(choices::<Collect>()), "How points are made from triangles"),
+        key("visibility.points", Choice(choices::<PointSet>()), "Which points a map gets: any, or by the solid angle that its light sees"),
         key("visibility.point_count", Whole { min: 1, max: 1 << 26 }, "About how many points stand for the scene"),
         key("visibility.thin", Flag, "Leaves small triangles out by lot, so that points stand for equal areas"),
         absent("visibility.capacity", Whole { min: 1, max: 1 << 20 }, "from the others", "Points that a map's partition holds"),

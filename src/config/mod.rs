@@ -18,7 +18,7 @@ pub use load::{load, parse, to_toml};
 pub use scene::{Builtin, CameraConfig, CameraKeyframe, Interpolation, LightConfig, LightKeyframe, SceneConfig, SceneSelector};
 pub use stages::{
     BoxConfig, Collect, ComposeConfig, Culling, Dielectric, DirectConfig, FilterConfig, FilterKind, FrameConfig, GatherConfig,
-    GatherMethod, IsmRenderer, Layer, MaterialsConfig, OutputConfig, RsmConfig, Shadows, TimingMode, Tonemap, VisibilityConfig,
+    GatherMethod, IsmRenderer, Layer, MaterialsConfig, OutputConfig, PointSet, RsmConfig, Shadows, TimingMode, Tonemap, VisibilityConfig,
     VisibilityMethod, VplSampler, VplsConfig,
 };
 

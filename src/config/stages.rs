@@ -112,6 +112,7 @@ pub struct VisibilityConfig {
     /// How points get into the imperfect shadow maps.
     pub renderer: IsmRenderer,
     pub collect: Collect,
+    pub points: PointSet,
     /// About how many points stand for the scene, 1 to 67,108,864.
     pub point_count: u32,
     /// Leaves small triangles out by lot, so that all points stand for the same area; else every triangle makes a point at least.
@@ -146,6 +147,7 @@ impl Default for VisibilityConfig {
             method: VisibilityMethod::None,
             renderer: IsmRenderer::SinglePixel,
             collect: Collect::Compute,
+            points: PointSet::Uniform,
             point_count: 326_000,
             thin: true,
             capacity: None,
@@ -181,6 +183,17 @@ pub enum Collect {
     Compute,
     /// By the tessellator.
     Tessellation,
+}
+
+/// Which points a map gets.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PointSet {
+    /// At random, by area.
+    #[default]
+    Uniform,
+    /// More of those near its light, by solid angle.
+    Adaptive,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

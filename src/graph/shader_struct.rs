@@ -24,6 +24,11 @@ impl ShaderStruct for u32 {
     const MEMBERS: &'static [Member] = &[];
 }
 
+impl ShaderStruct for f32 {
+    const NAME: &'static str = "float";
+    const MEMBERS: &'static [Member] = &[];
+}
+
 impl ShaderStruct for [f32; 3] {
     const NAME: &'static str = "vec3";
     const MEMBERS: &'static [Member] = &[];

@@ -2,8 +2,8 @@
 //! points that stand for the scene's triangles, each map of other points.
 
 use super::points::{self, Points};
-use super::{Surroundings, Visibility, VisibilityConfig, pull_push};
-use crate::config::IsmRenderer;
+use super::{Surroundings, Visibility, VisibilityConfig, adaptive, pull_push};
+use crate::config::{IsmRenderer, PointSet};
 use crate::gpu::Format;
 use crate::graph::{Graph, Image};
 use crate::shader_struct;
@@ -16,6 +16,7 @@ shader_struct! {
 
     struct SinglePixelParams {
         count: u32,
+        shares: u32,
         capacity: u32,
         considered: u32,
         collected: u32,
@@ -85,7 +86,10 @@ fn collected(config: &VisibilityConfig, count: u32) -> u32 {
 
 /// Points as single pixels, and the holes between them filled (section 4.4.3 and 4.4.4).
 fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
-    let points = points::collect(g, around, vpls.count, config);
+    let points = match config.points {
+        PointSet::Uniform => points::collect(g, around, vpls.count, config),
+        PointSet::Adaptive => adaptive::choose(g, around, vpls, config.point_count, collected(config, vpls.count)),
+    };
     let [columns, rows] = layout(vpls.count);
     let size = [columns * config.map_size, rows * config.map_size];
     let target = g.image("visibility/single-pixels", Format::R32Uint, size);
@@ -107,6 +111,7 @@ fn draw_single_pixels(
     columns: u32,
     config: &VisibilityConfig,
 ) {
+    let own = config.points == PointSet::Adaptive;
     let diagonal = around.scene.bounds.size().length();
     let dropped = g.count("visibility/dropped-points");
     let drawn = g.count("visibility/drawn-points");
@@ -121,9 +126,10 @@ fn draw_single_pixels(
         .constant("DISTORTION", config.distortion)
         .params(&SinglePixelParams {
             count: vpls.count,
+            shares: if own { 1 } else { vpls.count },
             capacity: points.capacity,
-            considered: considered(config, vpls.count),
-            collected: collected(config, vpls.count),
+            considered: if own { 1 } else { considered(config, vpls.count) },
+            collected: if own { 1 } else { collected(config, vpls.count) },
             columns,
             far: diagonal,
             diagonal,

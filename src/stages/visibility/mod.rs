@@ -1,5 +1,6 @@
 //! Which VPLs a point sees.
 
+mod adaptive;
 mod ism;
 mod points;
 mod pull_push;

@@ -3,7 +3,7 @@
 use super::ism::partition_capacity;
 use super::{Surroundings, VisibilityConfig};
 use crate::config::Collect;
-use crate::graph::{Buffer, Graph};
+use crate::graph::{Buffer, ComputePass, Graph};
 use crate::scene::triangles::ChunkData;
 use crate::shader_struct;
 
@@ -59,17 +59,25 @@ pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, 
 
 /// An invocation a point, on all cores.
 fn computed(g: &mut Graph, around: Surroundings<'_>, points: Points, params: &PointsParams, thin: bool) {
-    let chunks = around.scene.triangle_table.chunks(params.max_area);
-    let groups = chunks.len() as u32;
-    let chunks = g.upload::<ChunkData>("visibility/chunks", &chunks);
-    g.compute("visibility/points-computed")
-        .reads("chunks", chunks)
-        .reads("draws", around.handles.draws)
-        .reads("positions", around.handles.triangles.positions)
-        .reads("indices", around.handles.triangles.indices)
+    let (chunks, groups) = upload_chunks(g, around, params.max_area);
+    goes_through(g.compute("visibility/points-computed"), around, chunks)
         .writes("points", points.points)
         .updates("fill", points.fill)
         .constant("THIN", thin)
         .params(params)
         .dispatch_groups([groups, 1, 1]);
+}
+
+/// The triangles in chunks, a workgroup each.
+pub(super) fn upload_chunks(g: &mut Graph, around: Surroundings<'_>, max_area: f32) -> (Buffer, u32) {
+    let chunks = around.scene.triangle_table.chunks(max_area);
+    (g.upload::<ChunkData>("visibility/chunks", &chunks), chunks.len() as u32)
+}
+
+/// Reads what `glsl/visibility/triangles.glsl` binds.
+pub(super) fn goes_through<'g>(pass: ComputePass<'g>, around: Surroundings<'_>, chunks: Buffer) -> ComputePass<'g> {
+    pass.reads("chunks", chunks)
+        .reads("draws", around.handles.draws)
+        .reads("positions", around.handles.triangles.positions)
+        .reads("indices", around.handles.triangles.indices)
 }

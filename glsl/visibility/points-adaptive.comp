@@ -1,0 +1,97 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Points for each VPL by the solid angle under which it sees them: a workgroup a VPL draws clusters by what they show to the VPL
+// over the square of the distance, and points within them by area. What is near gets more points, and the points of all maps stay as
+// many. Each stands for so much more of its surface as it is one of few.
+#include "lib/packing.glsl"
+#include "lib/vpl.glsl"
+#include "visibility/cluster.glsl"
+#include "visibility/point.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(scalar, push_constant) uniform Params {
+    float diagonal;
+    uint each;     // points of a cluster
+    uint clusters; // at most MOST_CLUSTERS
+    uint capacity; // points of a VPL
+    uint groups;
+    uint seed;
+} params;
+
+const uint MOST_CLUSTERS = 6144u; // 24 KiB of sums
+
+layout(scalar) readonly buffer Vpls { VplPoint at[]; } vpls;
+layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
+layout(scalar) readonly buffer Pool { Point at[]; } pool;
+layout(scalar) readonly buffer Areas { float at[]; } areas;
+layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) readonly buffer Begins { uint at[]; } begins;
+layout(scalar) writeonly buffer Points { Point at[]; } points;
+layout(scalar) buffer Fill { uint at[]; } fill;
+
+shared float sums[6144];
+shared float totals[64];
+
+// About the solid angle that a cluster takes.
+float weight(Cluster cluster, vec3 position, vec3 normal) {
+    vec3 way = cluster.center - position;
+    float squared = dot(way, way);
+    float d = sqrt(squared), radius = sqrt(cluster.squared_radius);
+    float shown = cluster.stray + max(-dot(cluster.vector_area, way) / max(d, 1e-12), 0.0);
+    // Where it is near, it lies all around.
+    shown = mix(shown, max(shown, 0.25 * cluster.area), clamp(2.0 * radius / max(d, 1e-12) - 1.0, 0.0, 1.0));
+    // Behind the VPL there is nothing to see.
+    bool before = dot(normal, way) + radius > 0.0;
+    return before ? min(shown / max(squared + 0.25 * cluster.squared_radius, 1e-12), 6.2831853) : 0.0;
+}
+
+void main() {
+    uint vpl = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
+    vec3 position = vpls.at[vpl].position;
+    vec3 normal = octahedral_snorm16_inverse(vpls.at[vpl].normal);
+    uint each = (params.clusters + 63u) / 64u;
+    uint low = min(lane * each, params.clusters), high = min(low + each, params.clusters);
+    float sum = 0.0;
+    for (uint i = low; i < high; i++) {
+        sum += weight(clusters.at[i], position, normal);
+        sums[i] = sum;
+    }
+    totals[lane] = sum;
+    barrier();
+    float before = 0.0, total = 0.0;
+    for (uint i = 0u; i < 64u; i++) {
+        before += i < lane ? totals[i] : 0.0;
+        total += totals[i];
+    }
+    for (uint i = low; i < high; i++) sums[i] += before;
+    barrier();
+    if (!(total > 0.0) || all(equal(intensities.at[vpl], vec3(0.0)))) return;
+    uint end = begins.at[params.groups];
+    for (uint i = lane; i < params.capacity; i += 64u) {
+        vec4 u = random(vpl, i, 0u, params.seed);
+        float at = (float(i) + u.x) / float(params.capacity) * total;
+        // The first cluster whose sum is beyond.
+        uint cluster = 0u;
+        for (uint step = 4096u; step > 0u; step /= 2u) {
+            cluster += cluster + step <= params.clusters - 1u && sums[cluster + step - 1u] <= at ? step : 0u;
+        }
+        float begin = cluster > 0u ? sums[cluster - 1u] : 0.0;
+        float chance = max(sums[cluster] - begin, 1e-20);
+        float area = clusters.at[cluster].area;
+        float within = clamp((at - begin) / chance, 0.0, 1.0) * area;
+        uint first = cluster * params.each, count = min(params.each, end - min(first, end));
+        uint k = 0u;
+        for (uint step = 4096u; step > 0u; step /= 2u) {
+            k += k + step < count && areas.at[first + k + step - 1u] <= within ? step : 0u;
+        }
+        Point point = pool.at[min(first + k, max(end, 1u) - 1u)];
+        float own = point_radius(point, params.diagonal);
+        float stands_for = area * total / (float(params.capacity) * chance);
+        float radius = max(own, sqrt(stands_for / PI_OF_DISKS));
+        points.at[vpl * params.capacity + i] =
+            make_point(point.position, point_normal(point), PI_OF_DISKS * radius * radius, params.diagonal, point_is_double_sided(point));
+    }
+    if (lane == 0u) atomicAdd(fill.at[vpl], params.capacity);
+}

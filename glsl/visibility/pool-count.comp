@@ -1,0 +1,15 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// How many points each chunk gives, said by the last of the workgroups that share it.
+#include "visibility/triangles.glsl"
+
+layout(scalar) writeonly buffer Counts { uint at[]; } counts;
+
+void take(uint k, uint total, Point point, uvec2 hash) {}
+
+void main() {
+    Chunk chunk = chunks.at[gl_WorkGroupID.x];
+    uint total = chunk.slice + 1u == chunk.slices ? count_points(chunk) : 0u;
+    if (gl_LocalInvocationID.x == 0u) counts.at[gl_WorkGroupID.x] = total;
+}

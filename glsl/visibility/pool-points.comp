@@ -1,0 +1,15 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// All points in the order of their triangles, so that neighbours are together.
+#include "visibility/triangles.glsl"
+
+layout(scalar) readonly buffer Begins { uint at[]; } begins;
+layout(scalar) writeonly buffer Points { Point at[]; } points;
+
+void take(uint k, uint total, Point point, uvec2 hash) {
+    uint slot = begins.at[gl_WorkGroupID.x] + k;
+    if (slot < params.capacity) points.at[slot] = point;
+}
+
+void main() { go_through(chunks.at[gl_WorkGroupID.x]); }

@@ -1,0 +1,101 @@
+//! Points for each VPL by the solid angle under which it sees them: the adaptivity that Linke 2016 asks for (section 5.4.6). All
+//! points of the scene are a pool, in clusters of neighbours; each VPL draws as many of them as it would get at random.
+
+use super::Surroundings;
+use super::points::{Point, Points, PointsParams, goes_through, upload_chunks};
+use crate::graph::Graph;
+use crate::shader_struct;
+use crate::stages::vpls::Vpls;
+
+shader_struct! {
+    /// `glsl/visibility/cluster.glsl`.
+    struct Cluster {
+        center: [f32; 3],
+        squared_radius: f32,
+        vector_area: [f32; 3],
+        stray: f32,
+        area: f32,
+    }
+
+    struct ScanParams {
+        groups: u32,
+    }
+
+    struct ClustersParams {
+        diagonal: f32,
+        each: u32,
+        clusters: u32,
+        capacity: u32,
+        groups: u32,
+    }
+
+    struct AdaptiveParams {
+        diagonal: f32,
+        each: u32,
+        clusters: u32,
+        capacity: u32,
+        groups: u32,
+        seed: u32,
+    }
+}
+
+/// `MOST_CLUSTERS` of `glsl/visibility/points-adaptive.comp`: their sums fit into the memory that a workgroup shares.
+const MOST_CLUSTERS: u32 = 6144;
+
+/// Draws `point_count * collected` points in all for the VPLs' maps, as many for each, from about `point_count` different ones.
+pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point_count: u32, collected: u32) -> Points {
+    let table = &around.scene.triangle_table;
+    let max_area = table.max_area(point_count, false);
+    // The host knows the sizes of triangles by classes alone.
+    let most = (1.1 * table.points(max_area, false)) as u32 + 1024;
+    let each = most.div_ceil(MOST_CLUSTERS).max(64);
+    let clusters = most.div_ceil(each);
+    let diagonal = around.scene.bounds.size().length();
+    let (chunks, groups) = upload_chunks(g, around, max_area);
+    let counts = g.buffer::<u32>("visibility/pool-counts", groups);
+    let begins = g.buffer::<u32>("visibility/pool-begins", groups + 1);
+    let pool = g.buffer::<Point>("visibility/pool", most);
+    let areas = g.buffer::<f32>("visibility/pool-areas", most);
+    let cluster_table = g.buffer::<Cluster>("visibility/pool-clusters", clusters);
+    let params = PointsParams { max_area, diagonal, partitions: 1, capacity: most, seed: around.seed };
+    goes_through(g.compute("visibility/pool-count"), around, chunks)
+        .writes("counts", counts)
+        .params(&params)
+        .dispatch_groups([groups, 1, 1]);
+    g.compute("visibility/pool-scan")
+        .reads("counts", counts)
+        .writes("begins", begins)
+        .params(&ScanParams { groups })
+        .dispatch_groups([1, 1, 1]);
+    goes_through(g.compute("visibility/pool-points"), around, chunks)
+        .reads("begins", begins)
+        .writes("points", pool)
+        .params(&params)
+        .dispatch_groups([groups, 1, 1]);
+    g.compute("visibility/pool-clusters")
+        .reads("points", pool)
+        .reads("begins", begins)
+        .writes("areas", areas)
+        .writes("clusters", cluster_table)
+        .params(&ClustersParams { diagonal, each, clusters, capacity: most, groups })
+        .dispatch([clusters, 1, 1]);
+    let capacity = (u64::from(point_count) * u64::from(collected)).div_ceil(u64::from(vpls.count)) as u32;
+    let points = Points {
+        points: g.buffer::<Point>("visibility/points", vpls.count * capacity),
+        fill: g.zeroed::<u32>("visibility/fill", vpls.count),
+        partitions: vpls.count,
+        capacity,
+    };
+    g.compute("visibility/points-adaptive")
+        .reads("vpls", vpls.points)
+        .reads("intensities", vpls.intensities)
+        .reads("pool", pool)
+        .reads("areas", areas)
+        .reads("clusters", cluster_table)
+        .reads("begins", begins)
+        .writes("points", points.points)
+        .updates("fill", points.fill)
+        .params(&AdaptiveParams { diagonal, each, clusters, capacity, groups, seed: around.seed })
+        .dispatch_groups([vpls.count, 1, 1]);
+    points
+}
