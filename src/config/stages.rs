@@ -149,7 +149,7 @@ impl Default for VisibilityConfig {
             collect: Collect::Compute,
             points: PointSet::Uniform,
             point_count: 326_000,
-            thin: true,
+            thin: false,
             capacity: None,
             map_size: 64,
             considered: None,
