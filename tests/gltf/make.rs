@@ -1,7 +1,7 @@
 //! Small glTF files made by code, to be bent by tests.
 
 use glam::{Vec2, Vec3};
-use manylight::scene::gltf::{self, Loaded, SceneChoice};
+use manylight::scene::gltf::{self, AnimationChoice, Choice, Loaded, SceneChoice};
 use manylight::scene::{Draw, Scene, Vertex, pack};
 use serde_json::{Value, json};
 
@@ -122,7 +122,15 @@ impl Make {
     }
 
     pub fn load_scene(&self, choice: SceneChoice) -> anyhow::Result<Loaded> {
-        gltf::load_slice(&self.glb(), None, "made.glb", Some(&choice))
+        self.load_choice(&Choice { scene: Some(choice), ..Choice::default() })
+    }
+
+    pub fn load_animation(&self, animation: AnimationChoice) -> anyhow::Result<Loaded> {
+        self.load_choice(&Choice { animation, ..Choice::default() })
+    }
+
+    fn load_choice(&self, choice: &Choice) -> anyhow::Result<Loaded> {
+        gltf::load_slice(&self.glb(), None, "made.glb", Some(choice))
     }
 
     /// The scene, which must come without a warning.
