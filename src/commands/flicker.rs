@@ -53,7 +53,8 @@ pub fn run(args: &FlickerArgs) -> Result<()> {
     renderer.check(&config)?;
     warnings.extend(renderer.warnings(&config));
     if stands_still(&config) && !renderer.moves() {
-        warnings.push("camera: nothing moves; camera.keyframes, the keyframes of a light or an animation of the scene make a walk".to_owned());
+        warnings
+            .push("camera: nothing moves; camera.keyframes, the keyframes of a light or an animation of the scene make a walk".to_owned());
     }
     warnings.iter().for_each(|warning| progress.warn(warning));
     progress.say("preparing the shaders");

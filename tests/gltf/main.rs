@@ -1,5 +1,6 @@
 //! The glTF loader: real scenes, every feature by a small file made here, and files that lie.
 
+mod animations;
 mod geometry;
 mod hostile;
 mod make;

@@ -97,6 +97,16 @@ impl Make {
         push(textures, json!({"source": image}))
     }
 
+    /// Adds a channel to the file's first animation, which it makes if there is none: a property of a node through keys.
+    pub fn animate(&mut self, node: usize, property: &str, interpolation: &str, times: &[f32], values: &[f32]) {
+        let kind = if property == "rotation" { "VEC4" } else { "VEC3" };
+        let (input, output) = (self.floats("SCALAR", times), self.floats(kind, values));
+        let animations = self.json.as_object_mut().unwrap().entry("animations").or_insert(json!([{"channels": [], "samplers": []}]));
+        let sampler = json!({"input": input, "output": output, "interpolation": interpolation});
+        let sampler = push(&mut animations[0]["samplers"], sampler);
+        push(&mut animations[0]["channels"], json!({"sampler": sampler, "target": {"node": node, "path": property}}));
+    }
+
     /// The JSON with the buffer as it must be for a file whose buffer has that URI, or is a .glb's.
     pub fn document(&self, uri: Option<&str>) -> Value {
         let mut json = self.json.clone();
