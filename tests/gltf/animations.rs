@@ -2,6 +2,7 @@
 
 use crate::make::{CORNERS, I8, I16, Make, U8, U16, bytes, corners, positions, push};
 use glam::{Affine3A, Quat, Vec3};
+use manylight::reference::scene_digest;
 use manylight::scene::gltf::AnimationChoice;
 use manylight::scene::{Aabb, Light, Scene};
 use serde_json::json;
@@ -159,6 +160,25 @@ fn an_animation_that_moves_nothing_that_is_shown_leaves_the_scene_still() {
     // Nothing is in it.
     make.json["animations"] = json!([{"channels": [], "samplers": []}]);
     assert!(make.scene().animation.is_none());
+}
+
+#[test]
+fn a_scene_that_moves_otherwise_is_another_scene() {
+    let way = |values: &[f32], interpolation: &str| {
+        let mut make = Make::square();
+        make.animate(0, "translation", interpolation, &[0.0, 1.0], values);
+        scene_digest(&make.scene())
+    };
+    let digests = [
+        scene_digest(&Make::square().scene()),
+        way(&[0., 0., 0., 1., 0., 0.], "LINEAR"),
+        way(&[0., 0., 0., 2., 0., 0.], "LINEAR"),
+        way(&[0., 0., 0., 1., 0., 0.], "STEP"),
+    ];
+    for (i, digest) in digests.iter().enumerate() {
+        assert!(!digests[..i].contains(digest), "{i}");
+    }
+    assert_eq!(digests[1], way(&[0., 0., 0., 1., 0., 0.], "LINEAR"));
 }
 
 #[test]
