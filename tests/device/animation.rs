@@ -14,11 +14,13 @@ use std::f32::consts::FRAC_1_SQRT_2;
 const NONE: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 const QUARTER: [f32; 4] = [0.0, FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2];
 
+/// Frame, place of the arm, its turn, height of the plate on it, way of the light and the camera.
+type Moment = (u32, [f32; 3], [f32; 4], f32, f32);
+
 /// Frames of half a second, and where all is in them: what [`room_in_motion`] says by keys, worked out by hand. After 2 s it begins
 /// again.
 const FPS: f32 = 2.0;
-const FRAMES: [(u32, [f32; 3], [f32; 4], f32, f32); 5] = [
-    // Frame, place of the arm, its turn, height of the plate on it, way of the light and the camera.
+const FRAMES: [Moment; 5] = [
     (0, [-0.5, 0.0, 0.0], NONE, 1.0, 0.0),
     (1, [-0.25, 0.0, 0.5], NONE, 1.25, 0.125),
     (2, [0.0, 0.0, 1.0], QUARTER, 1.5, 0.25),

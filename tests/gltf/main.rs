@@ -3,6 +3,7 @@
 mod animations;
 mod geometry;
 mod hostile;
+mod hostile_keys;
 mod make;
 mod materials;
 mod places;

@@ -1,7 +1,9 @@
 //! A file's animations: the chosen one's channels as tracks of the nodes that they move.
 
 use super::accessors::Attribute;
+use super::geometry::{MAX_DISTANCE, is_near};
 use super::{AnimationChoice, File, Warning, Warnings, label, refuse};
+use crate::scene::Scene;
 use crate::scene::track::{Course, Track};
 use anyhow::{Context, Result};
 use gltf_json::animation::{Animation, Channel, Interpolation, Property, Sampler};
@@ -156,5 +158,16 @@ impl Reader<'_> {
             }
         }
         Ok(Track::new(course, times, values))
+    }
+}
+
+/// Refuses a scene in which the animation carries something too far away.
+pub fn check_reach(scene: &Scene) -> Result<()> {
+    match scene.swept_bounds().into_iter().find(|(_, swept)| !is_near(*swept)) {
+        Some((draw, _)) => {
+            let material = &scene.materials[scene.draws[draw].material as usize].name;
+            refuse!("a mesh of material {material:?} gets farther than {MAX_DISTANCE:e} m from the origin")
+        }
+        None => Ok(()),
     }
 }

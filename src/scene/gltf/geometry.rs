@@ -16,7 +16,7 @@ use gltf_json::{Index, Mesh};
 use std::collections::HashMap;
 
 /// Nothing lies farther from the origin (m): beyond it, single precision has steps of more than 50 m.
-const MAX_DISTANCE: f32 = 1e9;
+pub const MAX_DISTANCE: f32 = 1e9;
 /// Primitives that all nodes show together: a small file in which many nodes show many would fill the memory with draws.
 const MAX_SHOWN: usize = 1 << 20;
 /// Vertices and indices of a scene (2 GiB each).
@@ -90,19 +90,8 @@ pub fn build(file: &File<'_>, meshes: &[PlacedMesh], materials: &Materials, scen
     Ok(())
 }
 
-/// Refuses a scene in which the animation carries something too far away.
-pub fn check_reach(scene: &Scene) -> Result<()> {
-    match scene.swept_bounds().into_iter().find(|(_, swept)| !is_near(*swept)) {
-        Some((draw, _)) => {
-            let material = &scene.materials[scene.draws[draw].material as usize].name;
-            refuse!("a mesh of material {material:?} gets farther than {MAX_DISTANCE:e} m from the origin")
-        }
-        None => Ok(()),
-    }
-}
-
 /// Whether no coordinate of a box is too large, or not a number.
-fn is_near(bounds: Aabb) -> bool {
+pub fn is_near(bounds: Aabb) -> bool {
     [bounds.min, bounds.max].iter().all(|corner| corner.abs().cmple(Vec3::splat(MAX_DISTANCE)).all())
 }
 

@@ -177,6 +177,6 @@ fn read(bytes: &[u8], base: Option<&Path>, name: &str, choice: Option<&Choice>) 
         refuse!("the scene has no triangles");
     }
     scene.animation = scene.animation.take().filter(Animation::moves);
-    geometry::check_reach(&scene).with_context(|| moving.unwrap_or_default())?;
+    animations::check_reach(&scene).with_context(|| moving.unwrap_or_default())?;
     Ok(Loaded { scene, warnings: warnings.sentences() })
 }
