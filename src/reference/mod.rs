@@ -52,7 +52,7 @@ pub const MOST_BOUNCES: u32 = 64;
 pub struct Settings {
     /// Layers of indirect light; 0 is direct light alone.
     pub bounces: u32,
-    /// The frame of the config's camera path and lights.
+    /// The frame of the config's camera path and lights, and of the scene's animation.
     pub frame_index: u32,
     /// The bound of the VPLs' light (`gather.min_distance`) on each bounce, metres; 0 is the truth.
     pub min_distance: f32,
