@@ -1,13 +1,13 @@
 //! Renders a scene under a config, frame by frame: what the commands and the tests share.
 
-use crate::config::{Builtin, Config, SceneConfig, SceneSelector, Shadows, TimingMode, VisibilityMethod};
+use crate::config::{Builtin, Collect, Config, IsmRenderer, SceneConfig, SceneSelector, Shadows, TimingMode, VisibilityMethod};
 use crate::fail;
 use crate::frame::{Frame, Lighting, frame};
 use crate::gpu::{Adapter, Feature, Format, Gpu, Options};
 use crate::graph::{Dump, Engine, Execution, Graph, Image, Library, ReadBack, Timing};
 use crate::scene::builtin::{self, Atrium};
 use crate::scene::device::DeviceScene;
-use crate::scene::gltf::{self, SceneChoice};
+use crate::scene::gltf::{self, AnimationChoice, Choice, SceneChoice};
 use crate::scene::projection::{Projector, View};
 use crate::scene::traced::TracedScene;
 use crate::scene::{Aabb, Light, Scene, view};
@@ -20,11 +20,17 @@ use glam::Vec3;
 pub fn load_scene(config: &SceneConfig) -> Result<(Scene, Vec<String>)> {
     let _span = trace::span("loading the scene");
     if let Some(path) = &config.file {
-        let choice = config.scene.as_ref().map(|selector| match selector {
+        let scene = config.scene.as_ref().map(|selector| match selector {
             SceneSelector::Index(index) => SceneChoice::Index(*index as usize),
             SceneSelector::Name(name) => SceneChoice::Name(name.clone()),
         });
-        let loaded = gltf::load(path, choice.as_ref())?;
+        let animation = match &config.animation {
+            None => AnimationChoice::First,
+            Some(SceneSelector::Name(name)) if name == "none" => AnimationChoice::None,
+            Some(SceneSelector::Name(name)) => AnimationChoice::Name(name.clone()),
+            Some(SceneSelector::Index(index)) => AnimationChoice::Index(*index as usize),
+        };
+        let loaded = gltf::load(path, Some(&Choice { scene, animation }))?;
         return Ok((loaded.scene, loaded.warnings));
     }
     let scene = match config.builtin.unwrap_or_default() {
@@ -45,6 +51,8 @@ pub struct Renderer {
     scene: Scene,
     device_scene: DeviceScene,
     traced: Option<TracedScene>,
+    /// Where the scene's animation was when the hierarchy was built, seconds; unknown after one that failed.
+    time_of_rays: Option<f64>,
 }
 
 /// What a frame gave.
@@ -143,14 +151,19 @@ impl Renderer {
         Self::bring(gpu, scene, true)
     }
 
-    fn bring(gpu: Gpu, scene: Scene, traced: bool) -> Result<Self> {
+    fn bring(gpu: Gpu, mut scene: Scene, traced: bool) -> Result<Self> {
         let _span = trace::span("bringing the scene to the device");
         let mut engine = Engine::new(gpu, Library::new()?);
+        scene.set_time(0.0);
         let device_scene = DeviceScene::upload(&mut engine.gpu, &scene)?;
         let traced = if traced { Some(TracedScene::upload(&mut engine.gpu, &scene)?) } else { None };
-        // Lights and cameras are all that frames need of it from here on.
-        let scene = Scene { name: scene.name, lights: scene.lights, cameras: scene.cameras, ..Scene::default() };
-        Ok(Self { engine, scene, device_scene, traced })
+        // What frames need of it from here on: lights and cameras, where draws move their transforms, and all for a hierarchy.
+        let scene = match (&scene.animation, &traced) {
+            (None, _) => Scene { name: scene.name, lights: scene.lights, cameras: scene.cameras, ..Scene::default() },
+            (Some(_), None) => Scene { vertices: Vec::new(), indices: Vec::new(), textures: Vec::new(), ..scene },
+            (Some(_), Some(_)) => scene,
+        };
+        Ok(Self { engine, scene, device_scene, traced, time_of_rays: Some(0.0) })
     }
 
     /// Opens a device and brings a scene to it.
@@ -173,6 +186,40 @@ impl Renderer {
     /// What rays need of the scene, where it was brought too.
     pub fn traced_scene(&self) -> Option<&TracedScene> {
         self.traced.as_ref()
+    }
+
+    /// Whether the scene has an animation that moves it.
+    pub fn moves(&self) -> bool {
+        self.scene.animation.is_some()
+    }
+
+    /// Moves what rays meet to where the scene's animation has it at a time; does nothing where it is there.
+    ///
+    /// Fails where the device cannot hold it.
+    pub fn set_time_of_rays(&mut self, seconds: f64) -> Result<()> {
+        let Some(traced) = &mut self.traced else { return Ok(()) };
+        if self.scene.animation.is_some() && self.time_of_rays != Some(seconds) {
+            let _span = trace::span("moving what rays meet");
+            self.scene.set_time(seconds);
+            self.time_of_rays = None;
+            traced.follow(&mut self.engine.gpu, &self.scene)?;
+            self.time_of_rays = Some(seconds);
+        }
+        Ok(())
+    }
+
+    /// Moves all that a frame needs to its time.
+    fn set_time(&mut self, config: &Config, frame_index: u32) -> Result<()> {
+        if self.scene.animation.is_none() {
+            return Ok(());
+        }
+        let seconds = view::seconds(config, frame_index);
+        if needs_rays(config) {
+            self.set_time_of_rays(seconds)?;
+        }
+        self.scene.set_time(seconds);
+        self.device_scene.follow(&self.scene);
+        Ok(())
     }
 
     /// The lights of a frame.
@@ -206,6 +253,12 @@ impl Renderer {
             ));
         }
         check_methods(adapter, config)?;
+        if config.visibility.renderer == IsmRenderer::Splat || config.visibility.collect == Collect::Tessellation {
+            return Err(fail!(
+                BadInput,
+                "visibility: \"splat\" and \"tessellation\" are not there yet; leave renderer and collect as they are"
+            ));
+        }
         if needs_rays(config) && self.traced.is_none() {
             bail!("{}: the config traces rays, and the scene was brought without what they need (Renderer::traced)", self.scene.name);
         }
@@ -284,6 +337,7 @@ impl Renderer {
     /// Refuses names of passes to dump that the frame does not have.
     pub fn prepare(&mut self, config: &Config, dump: &[String]) -> Result<()> {
         let _span = trace::span("preparing the shaders");
+        self.set_time(config, 0)?;
         let mut g = Graph::warming_up();
         self.describe(&mut g, config, 0)?;
         if let Some(unknown) = dump.iter().find(|name| !g.pass_names().any(|pass| pass == *name)) {
@@ -302,6 +356,7 @@ impl Renderer {
 
     /// Runs frame 0 with a triangle of every kind that the scene draws, so that no later frame is the first to use a pipeline.
     pub fn warm_up(&mut self, config: &Config, execution: &Execution) -> Result<()> {
+        self.set_time(config, 0)?;
         let mut g = Graph::warming_up();
         self.describe(&mut g, config, 0)?;
         self.engine.execute(&g, execution).map(|_| ())
@@ -317,6 +372,7 @@ impl Renderer {
 
     /// Renders frame `frame_index`; its images are only brought back where `pictured`.
     pub fn render(&mut self, config: &Config, frame_index: u32, pictured: bool, execution: &Execution) -> Result<Rendered> {
+        self.set_time(config, frame_index)?;
         let mut g = Graph::new();
         let (frame, view) = self.describe(&mut g, config, frame_index)?;
         let images = [

@@ -194,7 +194,7 @@ pub fn check(config: &Config) -> Result<()> {
     }
 }
 
-/// Whether neither the camera nor a light of a config moves: its frames then show how much a method flickers by itself.
+/// Whether neither the camera nor a light of a config moves by keyframes: if the scene does not either, its frames show how much a method flickers by itself.
 pub fn stands_still(config: &Config) -> bool {
     use crate::config::LightConfig;
     let lit_by_keyframes = |light: &LightConfig| match light {

@@ -150,6 +150,7 @@ fn every_mistake_gets_a_sentence_with_file_line_and_key() {
         (&deep, "x.toml:1, column"),
         // Keys that exclude or need each other.
         ("[scene]\nfile = \"a.glb\"\nbuiltin = \"atrium\"", "x.toml:2: scene.file: excludes scene.builtin; give one of them"),
+        ("[scene]\nanimation = 1", "x.toml:2: scene.animation: only a glTF file has animations to choose from; give scene.file"),
         ("[scene]\nscene = 1", "x.toml:2: scene.scene: only a glTF file has scenes to choose from; give scene.file"),
         ("[scene]\nbuiltin = \"cornell\"\ntriangles = 20000", "x.toml:3: scene.triangles: only the built-in atrium has this knob"),
         ("[scene]\nfile = \"a.glb\"\nseed = 1", "x.toml:3: scene.seed: only the built-in atrium has this knob"),
@@ -373,7 +374,7 @@ fn a_resolved_config_is_written_as_toml_that_loads_to_the_same_value() {
         FULL,
         "scene.builtin = \"cornell\"",
         "scene.file = \"a b.glb\"\nscene.scene = 2\ncamera.node = \"eye\\n\\\"\"",
-        "scene.file = \"a.glb\"\nscene.scene = \"main\"\n[camera]\nposition = [0, 0, 0]\ntarget = [0, 0, 1]",
+        "scene.file = \"a.glb\"\nscene.scene = \"main\"\nscene.animation = \"none\"\n[camera]\nposition = [0, 0, 0]\ntarget = [0, 0, 1]",
         "[camera]\nfov_y_deg = 20",
         "[output]\nlayers = []",
     ];
@@ -387,7 +388,7 @@ fn a_resolved_config_is_written_as_toml_that_loads_to_the_same_value() {
 
 #[test]
 fn the_list_of_keys_is_what_the_types_take() {
-    let file = parse("scene.file = \"a.glb\"\nscene.scene = 2\n[camera]\nnode = \"eye\"", &[]).unwrap();
+    let file = parse("scene.file = \"a.glb\"\nscene.scene = 2\nscene.animation = 1\n[camera]\nnode = \"eye\"", &[]).unwrap();
     let still = parse("[camera]\nposition = [0, 0, 0]\ntarget = [0, 0, 1]", &[]).unwrap();
     let mut found: Vec<String> = vec!["base".to_owned()];
     for config in [&parse(FULL, &[]).unwrap(), &file, &still] {

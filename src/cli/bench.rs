@@ -8,8 +8,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 
 const FRAMES: &str = "\
-Measured frame i is frame i of the config's animation, which begins again after frame.count frames; without keyframes all frames
-are the same. Frames before them, frame 0 each, are not measured: the driver compiles what it has not used yet. Nothing but counts
+Measured frame i is frame i of the config's animation, which begins again after frame.count frames; where nothing moves all
+frames are the same. Frames before them, frame 0 each, are not measured: the driver compiles what it has not used yet. Nothing but counts
 comes back from the device while it is measured. The last line is for a bug report: it says what ran, where, and the medians.";
 
 #[derive(Debug, Clone, PartialEq, Args)]

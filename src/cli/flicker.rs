@@ -17,7 +17,7 @@ its edges are as jagged as those of the frames.";
 #[derive(Debug, Clone, PartialEq, Args)]
 #[command(after_help = MEASURE)]
 pub struct FlickerArgs {
-    /// The config, a TOML file; its camera's and lights' keyframes are the walk
+    /// The config, a TOML file; its keyframes and its scene's animation are the walk
     pub config: PathBuf,
     /// Folder for the results [default: out/<name of the config>/flicker]
     #[arg(short, long, value_name = "DIR")]

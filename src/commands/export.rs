@@ -19,11 +19,12 @@ fn to_mitsuba(args: &MitsubaArgs) -> Result<()> {
     let config = load_config(&args.config, &args.overrides())?;
     let folder = args.output();
     prepare_folder(&folder)?;
-    let (scene, mut warnings) = load_scene(&config.scene)?;
+    let (mut scene, mut warnings) = load_scene(&config.scene)?;
     // The last frame is the one that a render keeps.
     let frame = args.frame.unwrap_or(config.frame.count - 1);
     let camera = view::camera(&config, &scene, scene.bounds(), frame)?;
     let lights = view::lights(&config, &scene, frame);
+    scene.set_time(view::seconds(&config, frame));
     let shot = Shot { scene: &scene, camera: &camera, lights: &lights, size: config.frame.size, dielectric: config.materials.dielectric };
     let (path, differs) = mitsuba::write(&folder, &shot)?;
     warnings.extend(differs);

@@ -52,8 +52,9 @@ pub fn run(args: &FlickerArgs) -> Result<()> {
     let mut renderer = if needs_rays(&config) { Renderer::traced(gpu, scene)? } else { Renderer::new(gpu, scene)? };
     renderer.check(&config)?;
     warnings.extend(renderer.warnings(&config));
-    if stands_still(&config) {
-        warnings.push("camera: nothing moves; camera.keyframes or the keyframes of a light make a walk".to_owned());
+    if stands_still(&config) && !renderer.moves() {
+        warnings
+            .push("camera: nothing moves; camera.keyframes, the keyframes of a light or an animation of the scene make a walk".to_owned());
     }
     warnings.iter().for_each(|warning| progress.warn(warning));
     progress.say("preparing the shaders");

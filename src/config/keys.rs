@@ -178,6 +178,7 @@ fn list() -> Vec<KeyInfo> {
         ),
         absent("scene.file", Text, "none", "A .glb or .gltf file, relative to this file; instead of `scene.builtin`"),
         absent("scene.scene", IndexOrName, "the file's default", "Which of the file's scenes"),
+        absent("scene.animation", IndexOrName, "the file's first", "Which of the file's animations moves it, in a loop; `none` for none"),
         key("scene.builtin", Choice(choices::<Builtin>()), "A scene made by code"),
         key("scene.triangles", Whole { min: 10_000, max: 8_000_000 }, "About how many triangles the atrium has"),
         key("scene.seed", U32, "Seed of what is random in the atrium"),

@@ -19,6 +19,9 @@ pub fn given(root: &Table) -> Result<()> {
         if let (None, Some(node)) = (scene.get("file"), scene.get("scene")) {
             return Err(error(&node.origin, "scene.scene", "only a glTF file has scenes to choose from; give scene.file"));
         }
+        if let (None, Some(node)) = (scene.get("file"), scene.get("animation")) {
+            return Err(error(&node.origin, "scene.animation", "only a glTF file has animations to choose from; give scene.file"));
+        }
         let cornell = matches!(scene.get("builtin"), Some(Node { value: Value::Text(name), .. }) if name == "cornell");
         for knob in ["triangles", "seed"] {
             if let (true, Some(node)) = (cornell || scene.contains_key("file"), scene.get(knob)) {

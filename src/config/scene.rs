@@ -12,6 +12,8 @@ pub struct SceneConfig {
     pub file: Option<PathBuf>,
     /// Which of the file's scenes; its default scene if absent.
     pub scene: Option<SceneSelector>,
+    /// Which of the file's animations moves it, "none" for none; its first if absent.
+    pub animation: Option<SceneSelector>,
     pub builtin: Option<Builtin>,
     /// About how many triangles the atrium is made of, 10,000 to 8,000,000.
     pub triangles: u32,
@@ -21,7 +23,7 @@ pub struct SceneConfig {
 
 impl Default for SceneConfig {
     fn default() -> Self {
-        Self { file: None, scene: None, builtin: Some(Builtin::Atrium), triangles: 260_000, seed: 0 }
+        Self { file: None, scene: None, animation: None, builtin: Some(Builtin::Atrium), triangles: 260_000, seed: 0 }
     }
 }
 
@@ -33,6 +35,9 @@ impl Serialize for SceneConfig {
             table.serialize_field("file", file)?;
             if let Some(scene) = &self.scene {
                 table.serialize_field("scene", scene)?;
+            }
+            if let Some(animation) = &self.animation {
+                table.serialize_field("animation", animation)?;
             }
         } else {
             let builtin = self.builtin.unwrap_or_default();
@@ -46,7 +51,7 @@ impl Serialize for SceneConfig {
     }
 }
 
-/// One of a glTF file's scenes.
+/// One of a glTF file's scenes, or of its animations.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum SceneSelector {

@@ -14,6 +14,9 @@ pub fn scene_digest(scene: &Scene) -> String {
     let textures: Vec<_> = scene.textures.iter().map(|t| (t.width, t.height, t.srgb)).collect();
     let rest = (&scene.draws, &scene.materials, textures, &scene.cameras, &scene.lights);
     hasher.update(format!("{rest:?}").as_bytes());
+    if let Some(animation) = &scene.animation {
+        hasher.update(format!("{animation:?}").as_bytes());
+    }
     hasher.finalize().to_hex().to_string()
 }
 

@@ -20,7 +20,7 @@ use crate::graph::{Execution, Graph};
 use crate::output::exr::MAX_DECODED_BYTES;
 use crate::renderer::Renderer;
 use crate::scene::projection::{Projector, View};
-use crate::scene::{Aabb, Light};
+use crate::scene::{Aabb, Light, view};
 use crate::shader_struct;
 use anyhow::{Context, Result};
 use bytemuck::Zeroable;
@@ -52,7 +52,7 @@ pub const MOST_BOUNCES: u32 = 64;
 pub struct Settings {
     /// Layers of indirect light; 0 is direct light alone.
     pub bounces: u32,
-    /// The frame of the config's camera path and lights.
+    /// The frame of the config's camera path and lights, and of the scene's animation.
     pub frame_index: u32,
     /// The bound of the VPLs' light (`gather.min_distance`) on each bounce, metres; 0 is the truth.
     pub min_distance: f32,
@@ -69,6 +69,8 @@ pub struct Tracer {
     emitter_chance: f32,
     seed: u32,
     settings: Settings,
+    /// Of the frame, seconds.
+    time: f64,
     sums: ImageId,
     samples: u32,
     /// Bytes of what the last submission had, by name.
@@ -85,6 +87,8 @@ impl Tracer {
     ///
     /// Fails where the device cannot hold the sums, and where the config's lights are too many.
     pub fn new(renderer: &mut Renderer, config: &Config, settings: Settings, sums: Option<&Sums>) -> Result<Self> {
+        let time = view::seconds(config, settings.frame_index);
+        renderer.set_time_of_rays(time)?;
         let view = renderer.view(config, settings.frame_index)?;
         let lights = renderer.lights(config, settings.frame_index);
         let mut projectors = Vec::new();
@@ -148,6 +152,7 @@ impl Tracer {
             emitter_chance,
             seed: config.frame.seed,
             settings,
+            time,
             sums: image,
             samples: sums.samples,
             memory: Vec::new(),
@@ -187,6 +192,7 @@ impl Tracer {
     }
 
     fn rows(&mut self, renderer: &mut Renderer, execution: &Execution, first_row: u32, rows: u32) -> Result<(u64, f64)> {
+        renderer.set_time_of_rays(self.time)?;
         let mut g = Graph::new();
         let Some(traced) = renderer.traced_scene() else { unreachable!("the scene was brought without what rays need") };
         let scene = traced.import(&mut g);
@@ -252,6 +258,7 @@ impl Tracer {
     /// Normal and distance along the view's axis, and position, of what the middle of each pixel shows; zeros where it shows
     /// nothing.
     pub fn features(&self, renderer: &mut Renderer) -> Result<Features> {
+        renderer.set_time_of_rays(self.time)?;
         let mut g = Graph::new();
         let Some(traced) = renderer.traced_scene() else { unreachable!("the scene was brought without what rays need") };
         let scene = traced.import(&mut g);

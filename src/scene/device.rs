@@ -11,6 +11,7 @@ use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, Wrapping};
 use crate::graph::{Buffer, DrawList, Graph, ListBlock};
 use crate::shader_struct;
 use anyhow::Result;
+use glam::Affine3A;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -99,18 +100,28 @@ struct Bucket {
 struct PlacedDraw {
     arguments: DrawArguments,
     bounds: Aabb,
+    /// In its own space, where it moves: the other then is the box around this one.
+    own_bounds: Option<Aabb>,
+}
+
+/// The draws' transforms and materials.
+enum Draws {
+    /// On the device, once for all frames.
+    Still(BufferId, u32),
+    /// Where the scene's animation moves some: they are brought with every frame.
+    Moving(Vec<DrawData>),
 }
 
 /// See the module's page. The device owns all of it.
 pub struct DeviceScene {
+    /// Of all of its animation: [`Scene::bounds`].
     pub bounds: Aabb,
     pub triangles: u64,
     /// Whether some material is, or by a map may be, metallic.
     pub has_metals: bool,
     vertices: BufferId,
     indices: BufferId,
-    draws: BufferId,
-    draw_count: u32,
+    draws: Draws,
     materials: BufferId,
     arrays: Vec<ImageId>,
     /// One white texel, for maps that a bucket does not have.
@@ -151,16 +162,19 @@ impl DeviceScene {
 
         let (arrays, places) = upload_textures(gpu, scene)?;
         let materials: Vec<MaterialData> = scene.materials.iter().map(|material| material_data(material, &places)).collect();
-        let draws: Vec<DrawData> = scene.draws.iter().map(|draw| draw_data(scene, draw)).collect();
+        let data = draw_data(scene);
+        let draws = match &scene.animation {
+            None => Draws::Still(gpu.create_filled_buffer("scene/draws", bytemuck::cast_slice(&data))?, data.len() as u32),
+            Some(_) => Draws::Moving(data),
+        };
         let (buckets, bounds) = fill_buckets(scene, &places);
         Ok(Self {
-            bounds,
+            bounds: if scene.animation.is_some() { scene.bounds() } else { bounds },
             triangles: scene.triangle_count(),
             has_metals: scene.materials.iter().any(|material| material.metallic > 0.0),
             vertices: gpu.create_filled_buffer("scene/vertices", bytemuck::cast_slice(&scene.vertices))?,
             indices: gpu.create_filled_buffer("scene/indices", bytemuck::cast_slice(&scene.indices))?,
-            draws: gpu.create_filled_buffer("scene/draws", bytemuck::cast_slice(&draws))?,
-            draw_count: draws.len() as u32,
+            draws,
             materials: gpu.create_filled_buffer("scene/materials", bytemuck::cast_slice(&materials))?,
             arrays,
             blank: gpu.create_texture_array("scene/blank", Format::Rgba8Unorm, [1, 1], &[&[255; 4]])?,
@@ -169,12 +183,24 @@ impl DeviceScene {
         })
     }
 
+    /// Moves the draws to where they are in the host's scene, whose time was set ([`Scene::set_time`]).
+    pub fn follow(&mut self, scene: &Scene) {
+        let Draws::Moving(draws) = &mut self.draws else { return };
+        *draws = draw_data(scene);
+        for draw in self.buckets.iter_mut().flat_map(|bucket| &mut bucket.draws) {
+            if let Some(own) = draw.own_bounds {
+                draw.bounds = own.transformed(&scene.draws[draw.arguments.first_instance as usize].transform);
+            }
+        }
+    }
+
     /// The scene's buffers as this frame's resources.
     pub fn import(&self, g: &mut Graph) -> SceneHandles {
-        SceneHandles {
-            draws: g.import_buffer::<DrawData>("scene/draws", self.draws, self.draw_count),
-            triangles: self.triangle_table.import(g, self.indices),
-        }
+        let draws = match &self.draws {
+            Draws::Still(id, count) => g.import_buffer::<DrawData>("scene/draws", *id, *count),
+            Draws::Moving(draws) => g.upload("scene/draws", draws),
+        };
+        SceneHandles { draws, triangles: self.triangle_table.import(g, self.indices) }
     }
 
     /// What a raster pass draws, `instances` times: the parts of which `distance` knows one, nearer ones before farther ones as
@@ -281,11 +307,6 @@ fn upload_textures(gpu: &mut Gpu, scene: &Scene) -> Result<(Vec<ImageId>, Places
     Ok((arrays, places))
 }
 
-fn draw_data(scene: &Scene, draw: &Draw) -> DrawData {
-    let double_sided = u32::from(scene.materials[draw.material as usize].double_sided);
-    DrawData { transform: draw.transform.to_cols_array_2d(), material: draw.material, double_sided }
-}
-
 fn maps(material: &Material) -> [Option<Map>; 4] {
     [material.base_color_map, material.metallic_roughness_map, material.emission_map, material.normal_map]
 }
@@ -313,14 +334,24 @@ fn material_data(material: &Material, places: &Places) -> MaterialData {
     }
 }
 
+fn draw_data(scene: &Scene) -> Vec<DrawData> {
+    let data = |draw: &Draw| DrawData {
+        transform: draw.transform.to_cols_array_2d(),
+        material: draw.material,
+        double_sided: u32::from(scene.materials[draw.material as usize].double_sided),
+    };
+    scene.draws.iter().map(data).collect()
+}
+
 fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
     let colored = |draw: &Draw| scene.draw_vertices(draw).any(|vertex| vertex.color != u32::MAX);
-    let facts: Vec<(Vec<Draw>, Vec<Aabb>, bool)> = scene
+    let facts: Vec<(Vec<Draw>, Vec<PartBounds>, bool)> = scene
         .draws
         .par_iter()
-        .map(|draw| {
+        .zip(scene.moving_draws())
+        .map(|(draw, moves)| {
             let parts = parts(draw);
-            let bounds = parts.iter().map(|part| scene.draw_bounds(part)).collect();
+            let bounds = parts.iter().map(|part| part_bounds(scene, part, moves)).collect();
             (parts, bounds, colored(draw))
         })
         .collect();
@@ -336,7 +367,7 @@ fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
                 map.map(|map| MapKey { array: places[map.texture as usize].0, u: map.wrap_u, v: map.wrap_v, filter: map.filter })
             }),
         };
-        let place = |(part, bounds): (&Draw, &Aabb)| {
+        let place = |(part, (bounds, own_bounds)): (&Draw, &PartBounds)| {
             let arguments = DrawArguments {
                 index_count: part.index_count,
                 instance_count: 1,
@@ -344,12 +375,23 @@ fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
                 vertex_offset: part.vertex_offset as i32,
                 first_instance: number as u32,
             };
-            PlacedDraw { arguments, bounds: *bounds }
+            PlacedDraw { arguments, bounds: *bounds, own_bounds: *own_bounds }
         };
         buckets.entry(key).or_default().extend(parts.iter().zip(bounds).map(place));
     }
-    let all = facts.iter().flat_map(|(_, bounds, _)| bounds).fold(Aabb::EMPTY, |all, bounds| all.union(*bounds));
+    let all = facts.iter().flat_map(|(_, bounds, _)| bounds).fold(Aabb::EMPTY, |all, (bounds, _)| all.union(*bounds));
     (buckets.into_iter().map(|(key, draws)| Bucket { key, draws }).collect(), all)
+}
+
+/// A part's bounds in the world and, where it moves, in its own space.
+type PartBounds = (Aabb, Option<Aabb>);
+
+fn part_bounds(scene: &Scene, part: &Draw, moves: bool) -> PartBounds {
+    if !moves {
+        return (scene.draw_bounds(part), None);
+    }
+    let own = scene.draw_bounds(&Draw { transform: Affine3A::IDENTITY, ..part.clone() });
+    (own.transformed(&part.transform), Some(own))
 }
 
 /// A draw in pieces small enough to be left out, or drawn in an order, on their own. Files list neighbours together, mostly.

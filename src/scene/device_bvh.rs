@@ -45,6 +45,10 @@ impl WordImage {
         Ok(Self { name, id, size })
     }
 
+    pub fn free(&self, gpu: &mut Gpu) {
+        gpu.free_image(self.id);
+    }
+
     pub fn import(&self, g: &mut Graph) -> Image {
         g.import_image(self.name, self.id, Format::Rgba32Uint, self.size, 1)
     }
@@ -97,6 +101,11 @@ impl DeviceBvh {
         let corners = WordImage::upload(gpu, scene, "scene/bvh-corners", std::mem::take(&mut bvh.corners).as_flattened())?;
         let colors = WordImage::upload(gpu, scene, "scene/bvh-colors", bvh.colors.as_flattened())?;
         Ok(Self { data, nodes, triangles, masks, corners, colors })
+    }
+
+    /// Gives its images back.
+    pub fn free(&self, gpu: &mut Gpu) {
+        [self.nodes, self.triangles, self.masks, self.corners, self.colors].iter().for_each(|image| image.free(gpu));
     }
 
     /// The hierarchy as this frame's resources.

@@ -4,6 +4,7 @@
 //! array; a [`Draw`] is a range of them with a material and a place in the world. Lengths are metres, +Y is up, the
 //! coordinate system is right-handed, and light is in the radiometric units of the README.
 
+pub mod animation;
 pub mod builder;
 pub mod builtin;
 pub mod bvh;
@@ -14,6 +15,7 @@ pub mod pack;
 pub mod projection;
 pub mod tangents;
 pub mod traced;
+pub mod track;
 pub mod triangles;
 pub mod view;
 
@@ -50,6 +52,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// The scene's own cameras; the first is the default one.
     pub cameras: Vec<Camera>,
+    /// How it moves, if it does. What stands in the other fields is the scene at one time: [`Scene::set_time`].
+    pub animation: Option<animation::Animation>,
 }
 
 /// A range of triangles with one material at one place. Several draws may share their range (instances).
@@ -205,6 +209,11 @@ impl Aabb {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
+    /// The box around this one where a transform takes it.
+    pub fn transformed(self, transform: &Affine3A) -> Self {
+        Self::of(self.corners().map(|corner| transform.transform_point3(corner)))
+    }
+
     pub fn center(self) -> Vec3 {
         (self.min + self.max) * 0.5
     }
@@ -236,12 +245,15 @@ impl Scene {
         self.indices[range].iter().map(move |&i| &self.vertices[(offset + i) as usize])
     }
 
-    /// World-space bounds of all that is drawn.
+    /// World-space bounds of all that is drawn; of what moves, over all of the animation ([`Scene::swept_bounds`]), so that what
+    /// depends on them does not tremble.
     pub fn bounds(&self) -> Aabb {
-        self.draws.iter().map(|draw| self.draw_bounds(draw)).fold(Aabb::EMPTY, Aabb::union)
+        let moving = self.moving_draws();
+        let still = self.draws.iter().zip(moving).filter(|(_, moves)| !moves).map(|(draw, _)| self.draw_bounds(draw));
+        still.chain(self.swept_bounds().into_iter().map(|(_, swept)| swept)).fold(Aabb::EMPTY, Aabb::union)
     }
 
-    /// World-space bounds of a draw.
+    /// World-space bounds of a draw at the scene's time.
     pub fn draw_bounds(&self, draw: &Draw) -> Aabb {
         Aabb::of(self.draw_vertices(draw).map(|vertex| draw.transform.transform_point3(vertex.position.into())))
     }

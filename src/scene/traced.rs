@@ -56,7 +56,7 @@ pub struct TracedScene {
     /// Luminance of the flux that surfaces emit, W.
     pub emitted_power: f32,
     pub traits: Traits,
-    /// How long the hierarchy took to build, milliseconds.
+    /// How long the hierarchy took to build, the last time, milliseconds.
     pub build_ms: u64,
 }
 
@@ -76,6 +76,22 @@ pub struct TracedHandles {
 impl TracedScene {
     /// Builds what rays need of a scene and brings it to the device. Errors name the limit and the knob.
     pub fn upload(gpu: &mut Gpu, scene: &Scene) -> Result<Self> {
+        let texels = upload_texels(gpu, scene)?;
+        Self::build(gpu, scene, texels)
+    }
+
+    /// Builds all anew that depends on where the draws are in the host's scene, whose time was set ([`Scene::set_time`]).
+    ///
+    /// Fails as [`Self::upload`], and is then as it was.
+    pub fn follow(&mut self, gpu: &mut Gpu, scene: &Scene) -> Result<()> {
+        let now = Self::build(gpu, scene, self.texels)?;
+        let before = std::mem::replace(self, now);
+        before.bvh.free(gpu);
+        before.materials.free(gpu);
+        Ok(())
+    }
+
+    fn build(gpu: &mut Gpu, scene: &Scene, texels: (ImageId, [u32; 3])) -> Result<Self> {
         let start = Instant::now();
         let building = trace::span("building the hierarchy");
         let bvh = Bvh::build(scene);
@@ -85,7 +101,7 @@ impl TracedScene {
         Ok(Self {
             emitting_root: bvh.emitting.root,
             bvh: DeviceBvh::upload(gpu, &scene.name, bvh)?,
-            texels: upload_texels(gpu, scene)?,
+            texels,
             materials: WordImage::upload(gpu, &scene.name, "scene/traced-materials", &material_words(scene))?,
             emitters,
             emitted_power,

@@ -14,12 +14,15 @@ const DEFAULT_FOV_Y_DEG: f32 = 60.0;
 ///
 /// Fails where the config names a camera that the scene lacks, and where a path looks straight along its `up`.
 pub fn camera(config: &Config, scene: &Scene, bounds: Aabb, frame_index: u32) -> Result<Camera> {
-    let Some(wish) = &config.camera else { return Ok(own_camera(config, scene, bounds)) };
+    let time = seconds(config, frame_index);
+    let cameras = scene.cameras_at(time);
+    let own_camera = || cameras.first().cloned().unwrap_or_else(|| framing(bounds, config.frame.size));
+    let Some(wish) = &config.camera else { return Ok(own_camera()) };
     let mut camera = match (&wish.node, wish.position, wish.target) {
-        (Some(name), ..) => named_camera(scene, name)?,
+        (Some(name), ..) => named_camera(scene, &cameras, name)?,
         (None, Some(position), Some(target)) => looking(position.into(), target.into()),
-        _ if wish.keyframes.is_empty() => own_camera(config, scene, bounds),
-        _ => on_path(wish, seconds(config, frame_index)),
+        _ if wish.keyframes.is_empty() => own_camera(),
+        _ => on_path(wish, time),
     };
     camera.up = wish.up.map_or(camera.up, |up| unit(up.into()).as_vec3());
     // Where keyframes say the field of view, it is theirs.
@@ -38,14 +41,15 @@ pub fn camera(config: &Config, scene: &Scene, bounds: Aabb, frame_index: u32) ->
 
 /// The lights of a frame: the config's if it has any, else the scene's own.
 pub fn lights(config: &Config, scene: &Scene, frame_index: u32) -> Vec<Light> {
-    if config.light.is_empty() {
-        return scene.lights.clone();
-    }
     let time = seconds(config, frame_index);
+    if config.light.is_empty() {
+        return scene.lights_at(time).into_owned();
+    }
     config.light.iter().map(|light| light_at(light, time)).collect()
 }
 
-fn seconds(config: &Config, frame_index: u32) -> f64 {
+/// The time that a frame shows, of the scene's animation and of all keyframes: frame `i` is at `i / fps` seconds.
+pub fn seconds(config: &Config, frame_index: u32) -> f64 {
     f64::from(frame_index) / f64::from(config.frame.fps)
 }
 
@@ -53,15 +57,11 @@ fn looking(position: Vec3, target: Vec3) -> Camera {
     Camera { name: "config".to_owned(), position, target, up: Vec3::Y, fov_y_deg: DEFAULT_FOV_Y_DEG }
 }
 
-fn own_camera(config: &Config, scene: &Scene, bounds: Aabb) -> Camera {
-    scene.cameras.first().cloned().unwrap_or_else(|| framing(bounds, config.frame.size))
-}
-
-fn named_camera(scene: &Scene, name: &str) -> Result<Camera> {
-    if let Some(camera) = scene.cameras.iter().find(|camera| camera.name == name) {
+fn named_camera(scene: &Scene, cameras: &[Camera], name: &str) -> Result<Camera> {
+    if let Some(camera) = cameras.iter().find(|camera| camera.name == name) {
         return Ok(camera.clone());
     }
-    let names: Vec<_> = scene.cameras.iter().take(20).map(|camera| format!("{:?}", camera.name)).collect();
+    let names: Vec<_> = cameras.iter().take(20).map(|camera| format!("{:?}", camera.name)).collect();
     let has = if names.is_empty() { "no cameras".to_owned() } else { format!("the cameras {}", names.join(", ")) };
     Err(fail!(BadInput, "camera.node: {} has no camera {name:?}; it has {has}", scene.name))
 }

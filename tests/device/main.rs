@@ -1,5 +1,6 @@
 //! What the engine does on a device: the software driver, with the validation layer and its synchronization validation on.
 
+mod animation;
 mod bvh;
 mod common;
 mod direct;

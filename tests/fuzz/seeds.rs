@@ -68,6 +68,13 @@ fn makes() -> Vec<(&'static str, Make)> {
         {"type": "directional", "color": [1, 0.5, 0.25], "intensity": 8},
         {"type": "spot", "intensity": 2, "spot": {"innerConeAngle": 0.25, "outerConeAngle": 0.5}},
     ]}});
+    let mut moving = places.clone();
+    let (half, spline) = (std::f32::consts::FRAC_1_SQRT_2, [[0.0f32; 3], [1.0; 3], [0.5; 3], [-0.5; 3], [2.0; 3], [0.0; 3]]);
+    moving.json["nodes"][0] = json!({"children": [1, 2, 3]});
+    moving.animate(0, "rotation", "LINEAR", &[0.0, 1.5], &[0.0, 0.0, 0.0, 1.0, 0.0, half, 0.0, half]);
+    moving.animate(1, "scale", "STEP", &[0.5, 1.0], &[1.0, 2.0, 1.0, 0.0, 0.0, 0.0]);
+    moving.animate(2, "translation", "CUBICSPLINE", &[0.0, 1.0], spline.as_flattened());
+
     vec![
         ("square", Make::square()),
         ("strip", strip),
@@ -77,5 +84,6 @@ fn makes() -> Vec<(&'static str, Make)> {
         ("sparse", sparse),
         ("quantized", quantized),
         ("places", places),
+        ("moving", moving),
     ]
 }

@@ -1,7 +1,7 @@
 //! Small glTF files made by code, to be bent by tests.
 
 use glam::{Vec2, Vec3};
-use manylight::scene::gltf::{self, Loaded, SceneChoice};
+use manylight::scene::gltf::{self, AnimationChoice, Choice, Loaded, SceneChoice};
 use manylight::scene::{Draw, Scene, Vertex, pack};
 use serde_json::{Value, json};
 
@@ -97,6 +97,16 @@ impl Make {
         push(textures, json!({"source": image}))
     }
 
+    /// Adds a channel to the file's first animation, which it makes if there is none: a property of a node through keys.
+    pub fn animate(&mut self, node: usize, property: &str, interpolation: &str, times: &[f32], values: &[f32]) {
+        let kind = if property == "rotation" { "VEC4" } else { "VEC3" };
+        let (input, output) = (self.floats("SCALAR", times), self.floats(kind, values));
+        let animations = self.json.as_object_mut().unwrap().entry("animations").or_insert(json!([{"channels": [], "samplers": []}]));
+        let sampler = json!({"input": input, "output": output, "interpolation": interpolation});
+        let sampler = push(&mut animations[0]["samplers"], sampler);
+        push(&mut animations[0]["channels"], json!({"sampler": sampler, "target": {"node": node, "path": property}}));
+    }
+
     /// The JSON with the buffer as it must be for a file whose buffer has that URI, or is a .glb's.
     pub fn document(&self, uri: Option<&str>) -> Value {
         let mut json = self.json.clone();
@@ -122,7 +132,15 @@ impl Make {
     }
 
     pub fn load_scene(&self, choice: SceneChoice) -> anyhow::Result<Loaded> {
-        gltf::load_slice(&self.glb(), None, "made.glb", Some(&choice))
+        self.load_choice(&Choice { scene: Some(choice), ..Choice::default() })
+    }
+
+    pub fn load_animation(&self, animation: AnimationChoice) -> anyhow::Result<Loaded> {
+        self.load_choice(&Choice { animation, ..Choice::default() })
+    }
+
+    fn load_choice(&self, choice: &Choice) -> anyhow::Result<Loaded> {
+        gltf::load_slice(&self.glb(), None, "made.glb", Some(choice))
     }
 
     /// The scene, which must come without a warning.

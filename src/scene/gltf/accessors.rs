@@ -11,7 +11,7 @@ use std::fmt;
 /// An accessor without a buffer view is all zeros, and no byte of the file bounds its count: this does.
 const MAX_ZEROS: u64 = 1 << 20;
 
-/// What a vertex attribute may be made of.
+/// What an accessor's numbers are: a vertex attribute, or the keys of an animation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Attribute {
     Position,
@@ -19,6 +19,10 @@ pub enum Attribute {
     Tangent,
     TexCoord(u32),
     Color,
+    Time,
+    Translation,
+    Rotation,
+    Scale,
 }
 
 impl fmt::Display for Attribute {
@@ -29,12 +33,16 @@ impl fmt::Display for Attribute {
             Self::Tangent => f.write_str("TANGENT"),
             Self::TexCoord(set) => write!(f, "TEXCOORD_{set}"),
             Self::Color => f.write_str("COLOR_0"),
+            Self::Time => f.write_str("time"),
+            Self::Translation => f.write_str("translation"),
+            Self::Rotation => f.write_str("rotation"),
+            Self::Scale => f.write_str("scale"),
         }
     }
 }
 
 impl Attribute {
-    /// Whether the attribute may have this component type: as glTF 2.0 has it, or as KHR_mesh_quantization adds to it.
+    /// Whether it may have this component type: as glTF 2.0 has it, or as KHR_mesh_quantization adds to it.
     fn allows(self, component: ComponentType, normalized: bool, quantized: bool) -> bool {
         use ComponentType::{F32, I8, I16, U8, U16, U32};
         match (self, component) {
@@ -47,6 +55,8 @@ impl Attribute {
             (Self::TexCoord(_), _) => quantized,
             (Self::Color, U8 | U16) => normalized,
             (Self::Color, _) => false,
+            (Self::Rotation, _) => normalized,
+            (Self::Time | Self::Translation | Self::Scale, _) => false,
         }
     }
 }
@@ -83,7 +93,7 @@ impl File<'_> {
         Ok(self.get(index, "accessor")?.count.0)
     }
 
-    /// A vertex attribute's elements as floats; all are finite. `N` is the number of components, which a colour of three
+    /// An attribute's elements as floats; all are finite. `N` is the number of components, which a colour of three
     /// is filled up to with ones.
     pub fn floats<const N: usize>(&self, index: Index<Accessor>, attribute: Attribute) -> Result<Vec<[f32; N]>> {
         self.read_floats(index, attribute).with_context(|| format!("{attribute}, accessor {index}"))
@@ -107,7 +117,9 @@ impl File<'_> {
         }
         if !attribute.allows(component, accessor.normalized, self.quantized) {
             let normalized = if accessor.normalized { "normalized " } else { "" };
-            refuse!("its components are {normalized}{component:?}, which {attribute} cannot be (integers may need KHR_mesh_quantization)");
+            let of_keys = matches!(attribute, Attribute::Time | Attribute::Translation | Attribute::Rotation | Attribute::Scale);
+            let hint = if of_keys { "" } else { " (integers may need KHR_mesh_quantization)" };
+            refuse!("its components are {normalized}{component:?}, which {attribute} cannot be{hint}");
         }
         let normalized = accessor.normalized;
         let scale = |max: f32| if normalized { 1.0 / max } else { 1.0 };

@@ -5,6 +5,7 @@ use super::materials::{Materials, Used};
 use super::nodes::PlacedMesh;
 use super::triangles::{make_flat, triangulate};
 use super::{File, Warning, Warnings, label, refuse};
+use crate::scene::animation::Hung;
 use crate::scene::{Aabb, Draw, Map, Scene, Vertex, pack, tangents};
 use anyhow::{Context, Result};
 use glam::{Vec3, Vec4};
@@ -15,7 +16,7 @@ use gltf_json::{Index, Mesh};
 use std::collections::HashMap;
 
 /// Nothing lies farther from the origin (m): beyond it, single precision has steps of more than 50 m.
-const MAX_DISTANCE: f32 = 1e9;
+pub const MAX_DISTANCE: f32 = 1e9;
 /// Primitives that all nodes show together: a small file in which many nodes show many would fill the memory with draws.
 const MAX_SHOWN: usize = 1 << 20;
 /// Vertices and indices of a scene (2 GiB each).
@@ -89,6 +90,11 @@ pub fn build(file: &File<'_>, meshes: &[PlacedMesh], materials: &Materials, scen
     Ok(())
 }
 
+/// Whether no coordinate of a box is too large, or not a number.
+pub fn is_near(bounds: Aabb) -> bool {
+    [bounds.min, bounds.max].iter().all(|corner| corner.abs().cmple(Vec3::splat(MAX_DISTANCE)).all())
+}
+
 impl Builder<'_> {
     fn mesh(&mut self, mesh: &Mesh, placed: &PlacedMesh, materials: &Materials) -> Result<()> {
         for (i, primitive) in mesh.primitives.iter().enumerate() {
@@ -100,9 +106,11 @@ impl Builder<'_> {
             let Some(triangles) = self.primitive(primitive, material, placed.mirrored).with_context(|| format!("primitive {i}"))? else {
                 continue;
             };
-            let near = |corner| placed.transform.transform_point3(corner).abs().cmple(Vec3::splat(MAX_DISTANCE)).all();
-            if !triangles.bounds.corners().into_iter().all(near) {
+            if !is_near(triangles.bounds.transformed(&placed.transform)) {
                 refuse!("at node {} it reaches farther than {MAX_DISTANCE:e} m from the origin", placed.node);
+            }
+            if let (Some(node), Some(animation)) = (placed.moves, &mut self.scene.animation) {
+                animation.draws.push(Hung { index: self.scene.draws.len(), node });
             }
             self.scene.draws.push(Draw {
                 first_index: triangles.first_index,

@@ -3,7 +3,7 @@
 use super::{File, Warning, Warnings, label, refuse};
 use crate::scene::{Camera, Light, SpotFalloff};
 use anyhow::{Context, Result};
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, Vec3};
 use gltf_json::camera::Type as CameraType;
 use gltf_json::extensions::scene::khr_lights_punctual::{Light as PunctualLight, Type};
 use gltf_json::validation::Checked;
@@ -26,9 +26,8 @@ fn punctual(light: &PunctualLight, world: DAffine3, warnings: &mut Warnings) -> 
         warnings
             .add(Warning::LightRange, "the range of lights is ignored: light falls off with the square of the distance, without an end");
     }
-    let position = world.translation.as_vec3();
-    let direction = axis(world, DVec3::NEG_Z);
-    Ok(match light.type_ {
+    let (position, direction) = (Vec3::ZERO, Vec3::NEG_Z);
+    let mut made = match light.type_ {
         Checked::Valid(Type::Directional) => Light::Directional { direction, irradiance: power },
         Checked::Valid(Type::Point) => Light::Point { position, intensity: power },
         Checked::Valid(Type::Spot) => {
@@ -44,7 +43,9 @@ fn punctual(light: &PunctualLight, world: DAffine3, warnings: &mut Warnings) -> 
             Light::Spot { position, direction, intensity: power, inner, outer: outer.min(FRAC_PI_2), falloff }
         }
         Checked::Invalid => refuse!("its type is none of directional, point and spot"),
-    })
+    };
+    made.stand_at(world);
+    Ok(made)
 }
 
 /// A perspective camera at a node, which looks along the node's -Z; orthographic ones are left out.
@@ -69,18 +70,14 @@ pub fn camera(
     if !(fov > 0.0 && fov < PI) {
         refuse!("the yfov of {called} is {fov}, it must lie between 0 and pi");
     }
-    let position = world.translation.as_vec3();
-    Ok(Some(Camera {
+    let mut made = Camera {
         // The node's name is what users see in their modelling programs.
         name: node.name.clone().or_else(|| camera.name.clone()).unwrap_or_else(|| format!("camera {index}")),
-        position,
-        target: position + axis(world, DVec3::NEG_Z),
-        up: axis(world, DVec3::Y),
+        position: Vec3::ZERO,
+        target: Vec3::NEG_Z,
+        up: Vec3::Y,
         fov_y_deg: fov.to_degrees(),
-    }))
-}
-
-/// A direction of the node in the world, normalized. The node's transform is known not to be singular.
-fn axis(world: DAffine3, direction: DVec3) -> Vec3 {
-    world.transform_vector3(direction).normalize().as_vec3()
+    };
+    made.stand_at(world);
+    Ok(Some(made))
 }

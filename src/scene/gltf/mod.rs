@@ -5,6 +5,7 @@
 //! that names the object. What is legal but cannot be shown becomes a warning.
 
 mod accessors;
+mod animations;
 mod buffers;
 mod container;
 mod geometry;
@@ -16,6 +17,7 @@ mod textures;
 mod triangles;
 
 use super::Scene;
+use super::animation::Animation;
 use anyhow::{Context, Result};
 use buffers::Buffers;
 use gltf_json::{Index, Root};
@@ -28,6 +30,28 @@ macro_rules! refuse {
     };
 }
 use refuse;
+
+/// What of a file to load.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Choice {
+    /// The file's default scene if absent.
+    pub scene: Option<SceneChoice>,
+    pub animation: AnimationChoice,
+}
+
+/// Which of a file's animations moves the scene.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum AnimationChoice {
+    /// The first, where there is one.
+    #[default]
+    First,
+    /// Nothing moves: everything is where its node says.
+    None,
+    /// Counted from zero, in the file's order.
+    Index(usize),
+    /// The first of that name.
+    Name(String),
+}
 
 /// Which of a file's scenes to load.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,12 +70,14 @@ pub struct Loaded {
     pub warnings: Vec<String>,
 }
 
-/// Loads the file's default scene, or the chosen one. Files that it refers to are looked for beside it.
+/// Loads the file's default scene with its first animation, or what is chosen. Files that it refers to are looked for beside it.
+///
+/// The scene is at the animation's time 0.
 ///
 /// # Errors
 /// [`BadInput`](crate::error::Exit::BadInput), beginning with the path, where a file cannot be read or is not a sound glTF 2.0
 /// file, requires an unknown extension, or shows no triangle.
-pub fn load(path: &Path, choice: Option<&SceneChoice>) -> Result<Loaded> {
+pub fn load(path: &Path, choice: Option<&Choice>) -> Result<Loaded> {
     let name = path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
     buffers::read_file(path, u64::MAX)
         .and_then(|bytes| read(&bytes, Some(path.parent().unwrap_or(Path::new(""))), &name, choice))
@@ -63,7 +89,7 @@ pub fn load(path: &Path, choice: Option<&SceneChoice>) -> Result<Loaded> {
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_slice(bytes: &[u8], base: Option<&Path>, name: &str, choice: Option<&SceneChoice>) -> Result<Loaded> {
+pub fn load_slice(bytes: &[u8], base: Option<&Path>, name: &str, choice: Option<&Choice>) -> Result<Loaded> {
     read(bytes, base, name, choice).with_context(|| name.to_string())
 }
 
@@ -102,6 +128,7 @@ enum Warning {
     Skin,
     MorphTarget,
     HiddenNode,
+    Mirrored,
     LightRange,
     Orthographic,
     UvSets,
@@ -129,7 +156,7 @@ fn label(kind: &str, index: usize, name: Option<&String>) -> String {
     name.map_or_else(|| format!("{kind} {index}"), |name| format!("{kind} {index} ({name:?})"))
 }
 
-fn read(bytes: &[u8], base: Option<&Path>, name: &str, choice: Option<&SceneChoice>) -> Result<Loaded> {
+fn read(bytes: &[u8], base: Option<&Path>, name: &str, choice: Option<&Choice>) -> Result<Loaded> {
     let mut warnings = Warnings::default();
     let container = container::split(bytes)?;
     let root = container::parse(container.json, &mut warnings)?;
@@ -137,13 +164,19 @@ fn read(bytes: &[u8], base: Option<&Path>, name: &str, choice: Option<&SceneChoi
     let quantized = root.extensions_used.iter().chain(&root.extensions_required).any(|name| name == "KHR_mesh_quantization");
     let file = File { root, buffers, base, quantized };
 
-    let placed = nodes::walk(&file, choice, &mut warnings)?;
-    let mut scene = Scene { name: name.to_string(), lights: placed.lights, cameras: placed.cameras, ..Scene::default() };
-    let materials = materials::read(&file, &placed.meshes, &mut scene, &mut warnings)?;
+    let default = Choice::default();
+    let choice = choice.unwrap_or(&default);
+    let played = animations::read(&file, &choice.animation, &mut warnings)?;
+    let moving = played.as_ref().map(|played| played.label.clone());
+    let nodes::Placed { meshes, lights, cameras, animation } = nodes::walk(&file, choice.scene.as_ref(), played, &mut warnings)?;
+    let mut scene = Scene { name: name.to_string(), lights, cameras, animation, ..Scene::default() };
+    let materials = materials::read(&file, &meshes, &mut scene, &mut warnings)?;
     images::decode(&file, &materials.textures.images, &mut scene)?;
-    geometry::build(&file, &placed.meshes, &materials, &mut scene, &mut warnings)?;
+    geometry::build(&file, &meshes, &materials, &mut scene, &mut warnings)?;
     if scene.draws.is_empty() {
         refuse!("the scene has no triangles");
     }
+    scene.animation = scene.animation.take().filter(Animation::moves);
+    animations::check_reach(&scene).with_context(|| moving.unwrap_or_default())?;
     Ok(Loaded { scene, warnings: warnings.sentences() })
 }

@@ -1,9 +1,12 @@
 //! The node hierarchy: which meshes, lights and cameras stand where.
 
+use super::animations::{Moved, Played};
 use super::{File, SceneChoice, Warning, Warnings, label, lights, refuse};
+use crate::scene::animation::{Animation, Hung, Local, MovingNode, Parent, single};
 use crate::scene::{Camera, Light};
 use anyhow::{Context, Result};
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DQuat, DVec3};
+use gltf_json::extensions::scene::khr_lights_punctual::Light as PunctualLight;
 use gltf_json::{Index, Mesh, Node};
 
 /// What a scene's nodes place in the world.
@@ -11,6 +14,8 @@ pub struct Placed {
     pub meshes: Vec<PlacedMesh>,
     pub lights: Vec<Light>,
     pub cameras: Vec<Camera>,
+    /// What moves, but for the meshes' draws.
+    pub animation: Option<Animation>,
 }
 
 /// A mesh at a node.
@@ -21,31 +26,65 @@ pub struct PlacedMesh {
     pub transform: Affine3A,
     /// The transform turns left hands into right ones, and with them the order of a triangle's corners.
     pub mirrored: bool,
+    /// The moving node that it hangs on.
+    pub moves: Option<usize>,
 }
 
-/// Visits the nodes of the chosen scene, parents first.
-pub fn walk(file: &File<'_>, choice: Option<&SceneChoice>, warnings: &mut Warnings) -> Result<Placed> {
-    let mut placed = Placed { meshes: Vec::new(), lights: Vec::new(), cameras: Vec::new() };
+/// A node on the way down: its number, and what it stands on.
+type Step = (Index<Node>, Parent);
+
+/// Visits the nodes of the chosen scene, parents first. What the animation moves is where it is at time 0.
+pub fn walk(file: &File<'_>, choice: Option<&SceneChoice>, played: Option<Played>, warnings: &mut Warnings) -> Result<Placed> {
+    let mut placed = Placed { meshes: Vec::new(), lights: Vec::new(), cameras: Vec::new(), animation: None };
+    let (label_of_animation, moved) = played.as_ref().map(|played| (played.label.clone(), played.nodes.clone())).unwrap_or_default();
+    let mut animation = played.map(|played| Animation {
+        name: played.name,
+        duration: played.duration,
+        tracks: played.tracks,
+        nodes: Vec::new(),
+        draws: Vec::new(),
+        lights: Vec::new(),
+        cameras: Vec::new(),
+    });
     let mut seen = vec![false; file.root.nodes.len()];
-    let mut stack: Vec<_> = roots(file, choice)?.into_iter().rev().map(|node| (node, DAffine3::IDENTITY)).collect();
-    if !file.root.animations.is_empty() {
-        warnings.add(Warning::Animation, "animations are not played");
-    }
+    let mut stack: Vec<Step> = roots(file, choice)?.into_iter().rev().map(|node| (node, Parent::Still(DAffine3::IDENTITY))).collect();
+    // Where each moving node is at time 0.
+    let mut worlds: Vec<DAffine3> = Vec::new();
     while let Some((index, parent)) = stack.pop() {
         let node = file.get(index, "node")?;
         let context = || label("node", index.value(), node.name.as_ref());
         if std::mem::replace(&mut seen[index.value()], true) {
             refuse!("{} is reached twice: nodes must form trees, without cycles and with one parent each", context());
         }
-        if node.scale == Some([0.0; 3]) {
+        let moved = moved.get(&index.value());
+        if node.scale == Some([0.0; 3]) && moved.is_none_or(|moved| moved.scale.is_none()) {
             // glTF's way to hide a node.
             warnings.add(Warning::HiddenNode, format!("{} has a scale of zero: it and all below it are left out", context()));
             continue;
         }
-        let world = parent * local(node).with_context(context)?;
-        place(file, index, node, world, &mut placed, warnings).with_context(context)?;
-        stack.extend(node.children.iter().flatten().rev().map(|&child| (child, world)));
+        let here = match (&mut animation, parent, moved) {
+            (None, Parent::Still(parent), _) | (_, Parent::Still(parent), None) => {
+                let world = parent * local(node).with_context(context)?;
+                place(file, index, node, world, &mut placed, warnings).with_context(context)?;
+                Parent::Still(world)
+            }
+            (Some(animation), parent, moved) => {
+                let local = match moved {
+                    Some(moved) => moving(node, moved).with_context(context)?,
+                    None => Local::Still(local(node).with_context(context)?),
+                };
+                worlds.push(animation.world(&MovingNode { parent, local }, &worlds, 0.0));
+                animation.nodes.push(MovingNode { parent, local });
+                let number = animation.nodes.len() - 1;
+                hang(file, index, node, (number, worlds[number]), animation, &mut placed, warnings).with_context(context)?;
+                Parent::Moving(number)
+            }
+            (None, Parent::Moving(_), _) => unreachable!("without an animation nothing moves"),
+        };
+        stack.extend(node.children.iter().flatten().rev().map(|&child| (child, here)));
     }
+    placed.animation = animation;
+    orient(&mut placed, &label_of_animation, warnings);
     Ok(placed)
 }
 
@@ -90,13 +129,8 @@ fn local(node: &Node) -> Result<DAffine3> {
         }
         DAffine3::from_mat4(matrix)
     } else {
-        let rotation = DQuat::from_array(node.rotation.unwrap_or_default().0.map(f64::from));
-        if !(rotation.is_finite() && rotation.length() > 1e-3) {
-            refuse!("its rotation {rotation} is not a unit quaternion");
-        }
-        let scale = DVec3::from(node.scale.unwrap_or([1.0; 3]).map(f64::from));
-        let translation = DVec3::from(node.translation.unwrap_or([0.0; 3]).map(f64::from));
-        DAffine3::from_scale_rotation_translation(scale, rotation.normalize(), translation)
+        let (translation, rotation, scale) = properties(node)?;
+        DAffine3::from_scale_rotation_translation(scale, rotation, translation)
     };
     if !affine.is_finite() {
         refuse!("its transform is not finite");
@@ -104,33 +138,106 @@ fn local(node: &Node) -> Result<DAffine3> {
     Ok(affine)
 }
 
-fn place(file: &File<'_>, index: Index<Node>, node: &Node, world: DAffine3, placed: &mut Placed, warnings: &mut Warnings) -> Result<()> {
-    let light = node.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
-    if node.mesh.is_none() && node.camera.is_none() && light.is_none() {
-        return Ok(());
+/// A node's translation, rotation and scale.
+fn properties(node: &Node) -> Result<(DVec3, DQuat, DVec3)> {
+    let rotation = DQuat::from_array(node.rotation.unwrap_or_default().0.map(f64::from));
+    if !(rotation.is_finite() && rotation.length() > 1e-3) {
+        refuse!("its rotation {rotation} is not a unit quaternion");
     }
-    if is_singular(world.matrix3) || !world.translation.as_vec3().is_finite() {
+    let scale = DVec3::from(node.scale.unwrap_or([1.0; 3]).map(f64::from));
+    let translation = DVec3::from(node.translation.unwrap_or([0.0; 3]).map(f64::from));
+    if !(scale.is_finite() && translation.is_finite()) {
+        refuse!("its transform is not finite");
+    }
+    Ok((translation, rotation.normalize(), scale))
+}
+
+/// The transform of a node that has tracks.
+fn moving(node: &Node, moved: &Moved) -> Result<Local> {
+    let (translation, rotation, scale) = properties(node)?;
+    let Moved { translation: translation_track, rotation: rotation_track, scale: scale_track } = *moved;
+    Ok(Local::Moving { translation, rotation, scale, translation_track, rotation_track, scale_track })
+}
+
+/// Places what is at a node that does not move.
+fn place(file: &File<'_>, index: Index<Node>, node: &Node, world: DAffine3, placed: &mut Placed, warnings: &mut Warnings) -> Result<()> {
+    let carries = node.mesh.is_some() || node.camera.is_some() || light_of(node).is_some();
+    if carries && (is_singular(world.matrix3) || !world.translation.as_vec3().is_finite()) {
         refuse!("its transform (with its parents') is singular: it has no inverse, so what hangs on it has no orientation");
     }
+    carry(file, index, node, world, None, placed, warnings)
+}
+
+/// Places what is at a moving node, its number and its place at time 0, and notes that it moves. It may shrink to nothing at times.
+fn hang(
+    file: &File<'_>,
+    index: Index<Node>,
+    node: &Node,
+    (number, world): (usize, DAffine3),
+    animation: &mut Animation,
+    placed: &mut Placed,
+    warnings: &mut Warnings,
+) -> Result<()> {
+    let (lights, cameras) = (placed.lights.len(), placed.cameras.len());
+    carry(file, index, node, world, Some(number), placed, warnings)?;
+    let hung = |index: usize| Hung { index, node: number };
+    animation.lights.extend((lights..placed.lights.len()).map(hung));
+    animation.cameras.extend((cameras..placed.cameras.len()).map(hung));
+    Ok(())
+}
+
+fn light_of(node: &Node) -> Option<Index<PunctualLight>> {
+    node.extensions.as_ref()?.khr_lights_punctual.as_ref().map(|light| light.light)
+}
+
+fn carry(
+    file: &File<'_>,
+    index: Index<Node>,
+    node: &Node,
+    world: DAffine3,
+    moves: Option<usize>,
+    placed: &mut Placed,
+    warnings: &mut Warnings,
+) -> Result<()> {
     if let Some(mesh) = node.mesh {
         if node.skin.is_some() {
             warnings.add(Warning::Skin, "skins are not supported: skinned meshes are shown as they were modelled");
         }
-        let matrix = world.matrix3;
-        placed.meshes.push(PlacedMesh {
-            mesh,
-            node: index.value(),
-            transform: Affine3A::from_mat3_translation(matrix.as_mat3(), world.translation.as_vec3()),
-            mirrored: matrix.determinant() < 0.0,
-        });
+        let mirrored = world.matrix3.determinant() < 0.0;
+        placed.meshes.push(PlacedMesh { mesh, node: index.value(), transform: single(world), mirrored, moves });
     }
-    if let Some(light) = light {
-        placed.lights.push(lights::light(file, light.light, world, warnings)?);
+    if let Some(light) = light_of(node) {
+        placed.lights.push(lights::light(file, light, world, warnings)?);
     }
     if let Some(camera) = node.camera {
         placed.cameras.extend(lights::camera(file, camera, node, world, warnings)?);
     }
     Ok(())
+}
+
+/// Finds out which moving meshes are mirrored: at time 0 a node may have no size, and so no orientation.
+fn orient(placed: &mut Placed, label_of_animation: &str, warnings: &mut Warnings) {
+    let Some(animation) = &placed.animation else { return };
+    // Of each moving node, whether it is mirrored and whether it is not, at some time.
+    let mut seen = vec![[false; 2]; animation.nodes.len()];
+    let mut first = vec![None; animation.nodes.len()];
+    for seconds in animation.samples() {
+        for (node, world) in animation.worlds(seconds).iter().enumerate() {
+            let determinant = world.matrix3.determinant();
+            if determinant != 0.0 {
+                seen[node][usize::from(determinant < 0.0)] = true;
+                first[node].get_or_insert(determinant < 0.0);
+            }
+        }
+    }
+    for mesh in &mut placed.meshes {
+        let Some(node) = mesh.moves else { continue };
+        mesh.mirrored = first[node].unwrap_or(false);
+        if seen[node] == [true, true] {
+            let sentence = format!("{label_of_animation} mirrors node {} at times: it shows its inside then", mesh.node);
+            warnings.add(Warning::Mirrored, sentence);
+        }
+    }
 }
 
 /// Whether a matrix flattens space, or scales it beyond what single precision can hold.

@@ -1,0 +1,217 @@
+//! How a scene moves: nodes that follow tracks, and the draws, lights and cameras that hang on them.
+//!
+//! Nothing is precomputed but the keys themselves: where all is at a time follows from the tracks at that time alone.
+
+use super::track::{EARLY, Track};
+use super::{Aabb, Camera, Draw, Light, Scene};
+use glam::{Affine3A, DAffine3, DQuat, DVec3, Vec3};
+use std::borrow::Cow;
+
+/// Nodes that move, and what hangs on them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Animation {
+    /// What the file calls it, for messages.
+    pub name: String,
+    /// After so many seconds it begins again; over 0.
+    pub duration: f64,
+    pub tracks: Vec<Track>,
+    /// Parents before their children.
+    pub nodes: Vec<MovingNode>,
+    /// Of the scene's draws, those that move.
+    pub draws: Vec<Hung>,
+    /// Of the scene's lights, those that move.
+    pub lights: Vec<Hung>,
+    /// Of the scene's cameras, those that move.
+    pub cameras: Vec<Hung>,
+}
+
+/// What hangs on a node: its index in the scene, and the node's in [`Animation::nodes`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hung {
+    pub index: usize,
+    pub node: usize,
+}
+
+/// A node that moves, by itself or with its parent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MovingNode {
+    pub parent: Parent,
+    pub local: Local,
+}
+
+/// What a node stands on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Parent {
+    /// The place in the world of a parent that does not move.
+    Still(DAffine3),
+    /// One of the moving nodes.
+    Moving(usize),
+}
+
+/// A node's transform relative to its parent. In double precision, so that deep hierarchies do not drift.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Local {
+    Still(DAffine3),
+    /// What has no track of [`Animation::tracks`] stays as it is.
+    Moving {
+        translation: DVec3,
+        rotation: DQuat,
+        scale: DVec3,
+        translation_track: Option<usize>,
+        rotation_track: Option<usize>,
+        scale_track: Option<usize>,
+    },
+}
+
+impl Animation {
+    /// The transform to the world of every node at a time, which may be any.
+    pub fn worlds(&self, seconds: f64) -> Vec<DAffine3> {
+        let now = self.within(seconds);
+        let mut worlds: Vec<DAffine3> = Vec::with_capacity(self.nodes.len());
+        for node in &self.nodes {
+            worlds.push(self.world(node, &worlds, now));
+        }
+        worlds
+    }
+
+    /// The transform to the world of a node at a time within the duration, with those of the nodes before it.
+    pub fn world(&self, node: &MovingNode, before: &[DAffine3], now: f64) -> DAffine3 {
+        let parent = match node.parent {
+            Parent::Still(world) => world,
+            Parent::Moving(parent) => before[parent],
+        };
+        parent * self.local(&node.local, now)
+    }
+
+    /// Whether it moves anything: a longer one than a moment, on which something hangs.
+    pub fn moves(&self) -> bool {
+        self.duration > 0.0 && !(self.draws.is_empty() && self.lights.is_empty() && self.cameras.is_empty())
+    }
+
+    fn local(&self, local: &Local, now: f64) -> DAffine3 {
+        match *local {
+            Local::Still(affine) => affine,
+            Local::Moving { translation, rotation, scale, translation_track, rotation_track, scale_track } => {
+                let vector = |track: Option<usize>, still: DVec3| track.map_or(still, |track| self.tracks[track].vector(now));
+                let rotation = rotation_track.map_or(rotation, |track| self.tracks[track].rotation(now));
+                DAffine3::from_scale_rotation_translation(vector(scale_track, scale), rotation, vector(translation_track, translation))
+            }
+        }
+    }
+
+    /// The time of the tracks: it begins again after the duration, and at no frame shows both its end and its beginning.
+    fn within(&self, seconds: f64) -> f64 {
+        let now = if self.duration > 0.0 { seconds.rem_euclid(self.duration) } else { 0.0 };
+        if self.duration - now < EARLY { 0.0 } else { now }
+    }
+
+    /// Times that between them show about how far all gets: every key, and three steps between one and the next. Of animations that
+    /// have very many, an even choice.
+    pub fn samples(&self) -> Vec<f64> {
+        let mut keys: Vec<f32> = self.tracks.iter().flat_map(|track| track.times()).copied().collect();
+        keys.sort_by(f32::total_cmp);
+        keys.dedup();
+        let most = ((1 << 22) / (self.nodes.len() + self.draws.len()).max(1)).clamp(16, 4096);
+        let every = keys.len().div_ceil(most / 4).max(1);
+        let keys: Vec<f64> = keys.into_iter().step_by(every).map(f64::from).chain([self.duration - 2.0 * EARLY]).collect();
+        let between = keys.windows(2).flat_map(|pair| [0.25, 0.5, 0.75].map(|s| pair[0] + (pair[1] - pair[0]) * s));
+        keys.iter().copied().chain(between).filter(|time| *time >= 0.0).collect()
+    }
+}
+
+/// A transform in single precision, as draws have it. What is beyond that is nowhere: it shrinks to a point, which nothing shows.
+pub fn single(world: DAffine3) -> Affine3A {
+    let single = Affine3A::from_mat3_translation(world.matrix3.as_mat3(), world.translation.as_vec3());
+    if single.is_finite() { single } else { Affine3A::ZERO }
+}
+
+/// A direction of a node in the world, normalized; that of the world itself where the node is scaled to nothing.
+fn axis(world: DAffine3, direction: DVec3) -> Vec3 {
+    world.transform_vector3(direction).normalize_or(direction).as_vec3()
+}
+
+impl Light {
+    /// Puts the light at a node: it shines along the node's -Z.
+    pub fn stand_at(&mut self, world: DAffine3) {
+        let (to, towards) = (single(world).translation.into(), axis(world, DVec3::NEG_Z));
+        match self {
+            Self::Directional { direction, .. } => *direction = towards,
+            Self::Spot { position, direction, .. } => (*position, *direction) = (to, towards),
+            Self::Point { position, .. } => *position = to,
+            Self::Environment { .. } => {}
+        }
+    }
+}
+
+impl Camera {
+    /// Puts the camera at a node: it looks along the node's -Z, and +Y is up.
+    pub fn stand_at(&mut self, world: DAffine3) {
+        self.position = single(world).translation.into();
+        self.target = self.position + axis(world, DVec3::NEG_Z);
+        self.up = axis(world, DVec3::Y);
+    }
+}
+
+impl Scene {
+    /// Puts all that its animation moves where it is at a time.
+    pub fn set_time(&mut self, seconds: f64) {
+        let Some(animation) = &self.animation else { return };
+        let worlds = animation.worlds(seconds);
+        for hung in &animation.draws {
+            self.draws[hung.index].transform = single(worlds[hung.node]);
+        }
+        stand(&mut self.lights, &animation.lights, |light, node| light.stand_at(worlds[node]));
+        stand(&mut self.cameras, &animation.cameras, |camera, node| camera.stand_at(worlds[node]));
+    }
+
+    /// The scene's lights as they are at a time, whichever it was set to.
+    pub fn lights_at(&self, seconds: f64) -> Cow<'_, [Light]> {
+        match &self.animation {
+            Some(animation) if !animation.lights.is_empty() => {
+                let (mut lights, worlds) = (self.lights.clone(), animation.worlds(seconds));
+                stand(&mut lights, &animation.lights, |light, node| light.stand_at(worlds[node]));
+                lights.into()
+            }
+            _ => self.lights.as_slice().into(),
+        }
+    }
+
+    /// The scene's cameras as they are at a time, whichever it was set to.
+    pub fn cameras_at(&self, seconds: f64) -> Cow<'_, [Camera]> {
+        match &self.animation {
+            Some(animation) if !animation.cameras.is_empty() => {
+                let (mut cameras, worlds) = (self.cameras.clone(), animation.worlds(seconds));
+                stand(&mut cameras, &animation.cameras, |camera, node| camera.stand_at(worlds[node]));
+                cameras.into()
+            }
+            _ => self.cameras.as_slice().into(),
+        }
+    }
+
+    /// Of each draw whether it moves.
+    pub fn moving_draws(&self) -> Vec<bool> {
+        let mut moving = vec![false; self.draws.len()];
+        self.animation.iter().flat_map(|animation| &animation.draws).for_each(|hung| moving[hung.index] = true);
+        moving
+    }
+
+    /// Boxes that the moving draws stay in, by the draw's index, over all of the animation: those of their own boxes at
+    /// [`Animation::samples`].
+    pub fn swept_bounds(&self) -> Vec<(usize, Aabb)> {
+        let Some(animation) = &self.animation else { return Vec::new() };
+        let own = |hung: &Hung| self.draw_bounds(&Draw { transform: Affine3A::IDENTITY, ..self.draws[hung.index].clone() });
+        let own: Vec<Aabb> = animation.draws.iter().map(own).collect();
+        let mut swept: Vec<(usize, Aabb)> = animation.draws.iter().map(|hung| (hung.index, Aabb::EMPTY)).collect();
+        for seconds in animation.samples() {
+            let worlds = animation.worlds(seconds);
+            for ((hung, own), (_, swept)) in animation.draws.iter().zip(&own).zip(&mut swept) {
+                *swept = swept.union(own.transformed(&single(worlds[hung.node])));
+            }
+        }
+        swept
+    }
+}
+
+fn stand<T>(all: &mut [T], hung: &[Hung], at: impl Fn(&mut T, usize)) {
+    hung.iter().for_each(|hung| at(&mut all[hung.index], hung.node));
+}

@@ -1,0 +1,173 @@
+//! A file's animations: the chosen one's channels as tracks of the nodes that they move.
+
+use super::accessors::Attribute;
+use super::geometry::{MAX_DISTANCE, is_near};
+use super::{AnimationChoice, File, Warning, Warnings, label, refuse};
+use crate::scene::Scene;
+use crate::scene::track::{Course, Track};
+use anyhow::{Context, Result};
+use gltf_json::animation::{Animation, Channel, Interpolation, Property, Sampler};
+use gltf_json::validation::Checked;
+use gltf_json::{Index, Node};
+use std::collections::HashMap;
+
+/// Keys of an animation: a small file in which many samplers share their accessors would fill the memory with tracks.
+const MAX_KEYS: usize = 1 << 23;
+
+/// The chosen animation, before it is known what hangs on its nodes.
+pub struct Played {
+    /// As messages call it.
+    pub label: String,
+    pub name: String,
+    /// Seconds; over 0.
+    pub duration: f64,
+    pub tracks: Vec<Track>,
+    /// By the node's index.
+    pub nodes: HashMap<usize, Moved>,
+}
+
+/// Which of a node's properties have tracks.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Moved {
+    pub translation: Option<usize>,
+    pub rotation: Option<usize>,
+    pub scale: Option<usize>,
+}
+
+/// Reads the chosen animation; none where none is wanted, or there is none and none was asked for, or nothing is in it.
+pub fn read(file: &File<'_>, choice: &AnimationChoice, warnings: &mut Warnings) -> Result<Option<Played>> {
+    let Some(index) = chosen(&file.root.animations, choice)? else { return Ok(None) };
+    let animation = &file.root.animations[index];
+    let label = label("animation", index, animation.name.as_ref());
+    let name = animation.name.clone().unwrap_or_else(|| label.clone());
+    let mut reader = Reader { file, animation, tracks: Vec::new(), known: HashMap::new(), nodes: HashMap::new(), keys: 0 };
+    for (i, channel) in animation.channels.iter().enumerate() {
+        reader.channel(channel, warnings).with_context(|| format!("channel {i}")).with_context(|| label.clone())?;
+    }
+    let Reader { tracks, nodes, .. } = reader;
+    let duration = tracks.iter().filter_map(|track| track.times().last().copied()).fold(0.0, f32::max);
+    Ok((!tracks.is_empty()).then_some(Played { label, name, duration: duration.into(), tracks, nodes }))
+}
+
+/// The index of the chosen animation.
+fn chosen(animations: &[Animation], choice: &AnimationChoice) -> Result<Option<usize>> {
+    let (found, wanted) = match choice {
+        AnimationChoice::None => return Ok(None),
+        AnimationChoice::First => return Ok((!animations.is_empty()).then_some(0)),
+        AnimationChoice::Index(index) => ((*index < animations.len()).then_some(*index), format!("{index}")),
+        AnimationChoice::Name(name) => (animations.iter().position(|animation| animation.name.as_ref() == Some(name)), format!("{name:?}")),
+    };
+    if found.is_none() {
+        let list: Vec<_> = animations.iter().enumerate().map(|(i, animation)| label("animation", i, animation.name.as_ref())).collect();
+        refuse!("it has no animation {wanted}; there is {}", if list.is_empty() { "none".to_string() } else { list.join(", ") });
+    }
+    Ok(found)
+}
+
+struct Reader<'a> {
+    file: &'a File<'a>,
+    animation: &'a Animation,
+    tracks: Vec<Track>,
+    /// The track of a sampler, as a rotation or as a vector.
+    known: HashMap<(usize, bool), usize>,
+    nodes: HashMap<usize, Moved>,
+    /// Of all tracks.
+    keys: usize,
+}
+
+impl Reader<'_> {
+    fn channel(&mut self, channel: &Channel, warnings: &mut Warnings) -> Result<()> {
+        let Checked::Valid(property) = channel.target.path else {
+            refuse!("its path is none of translation, rotation, scale and weights");
+        };
+        let attribute = match property {
+            Property::Translation => Attribute::Translation,
+            Property::Rotation => Attribute::Rotation,
+            Property::Scale => Attribute::Scale,
+            Property::MorphTargetWeights => {
+                warnings.add(Warning::Animation, "morph targets are not supported: the animation of their weights is not played");
+                return Ok(());
+            }
+        };
+        let index = channel.target.node;
+        let node: &Node = self.file.get(index, "node")?;
+        let called = || label("node", index.value(), node.name.as_ref());
+        if node.matrix.is_some() {
+            refuse!("{} has a matrix: what is animated has translation, rotation and scale instead", called());
+        }
+        let track = self.track(channel.sampler, attribute).with_context(|| format!("sampler {}", channel.sampler))?;
+        let moved = self.nodes.entry(index.value()).or_default();
+        let slot = match attribute {
+            Attribute::Translation => &mut moved.translation,
+            Attribute::Rotation => &mut moved.rotation,
+            _ => &mut moved.scale,
+        };
+        if slot.replace(track).is_some() {
+            refuse!("the {attribute} of {} is that of another channel already", called());
+        }
+        Ok(())
+    }
+
+    fn track(&mut self, index: Index<Sampler>, attribute: Attribute) -> Result<usize> {
+        let key = (index.value(), attribute == Attribute::Rotation);
+        if let Some(known) = self.known.get(&key) {
+            return Ok(*known);
+        }
+        let Some(sampler) = self.animation.samplers.get(index.value()) else {
+            refuse!("it does not exist, the animation has {}", self.animation.samplers.len());
+        };
+        self.tracks.push(self.read(sampler, attribute)?);
+        self.keys += self.tracks.last().map_or(0, |track| track.times().len());
+        self.known.insert(key, self.tracks.len() - 1);
+        Ok(self.tracks.len() - 1)
+    }
+
+    fn read(&self, sampler: &Sampler, attribute: Attribute) -> Result<Track> {
+        let course = match sampler.interpolation {
+            Checked::Valid(Interpolation::Step) => Course::Step,
+            Checked::Valid(Interpolation::Linear) => Course::Linear,
+            Checked::Valid(Interpolation::CubicSpline) => Course::Cubic,
+            Checked::Invalid => refuse!("its interpolation is none of STEP, LINEAR and CUBICSPLINE"),
+        };
+        if self.file.count(sampler.input)?.saturating_add(self.keys as u64) > MAX_KEYS as u64 {
+            refuse!("with it, the animation has more than {MAX_KEYS} keys");
+        }
+        let times: Vec<f32> = self.file.floats::<1>(sampler.input, Attribute::Time)?.into_flattened();
+        if times.is_empty() {
+            refuse!("it has no keys");
+        }
+        if let Some(bad) = (0..times.len()).find(|i| times[*i] < if *i > 0 { times[i - 1] } else { 0.0 }) {
+            refuse!("the time {} of key {bad} is below 0 or before that of the key before it", times[bad]);
+        }
+        let expected = times.len() * Track::values_a_key(course);
+        if self.file.count(sampler.output)? != expected as u64 {
+            let found = self.file.count(sampler.output)?;
+            refuse!("its {} keys need {expected} values, its output (accessor {}) has {found}", times.len(), sampler.output);
+        }
+        let values: Vec<[f32; 4]> = if attribute == Attribute::Rotation {
+            self.file.floats(sampler.output, attribute)?
+        } else {
+            let vectors: Vec<[f32; 3]> = self.file.floats(sampler.output, attribute)?;
+            vectors.into_iter().map(|[x, y, z]| [x, y, z, 0.0]).collect()
+        };
+        if attribute == Attribute::Rotation {
+            let own = values.iter().skip(usize::from(course == Course::Cubic)).step_by(Track::values_a_key(course));
+            let is_none = |q: &[f32; 4]| !q.iter().any(|c| c.abs() > 1e-3);
+            if let Some(bad) = own.into_iter().position(is_none) {
+                refuse!("the rotation of key {bad} is not a unit quaternion");
+            }
+        }
+        Ok(Track::new(course, times, values))
+    }
+}
+
+/// Refuses a scene in which the animation carries something too far away.
+pub fn check_reach(scene: &Scene) -> Result<()> {
+    match scene.swept_bounds().into_iter().find(|(_, swept)| !is_near(*swept)) {
+        Some((draw, _)) => {
+            let material = &scene.materials[scene.draws[draw].material as usize].name;
+            refuse!("a mesh of material {material:?} gets farther than {MAX_DISTANCE:e} m from the origin")
+        }
+        None => Ok(()),
+    }
+}
