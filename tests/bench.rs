@@ -13,7 +13,7 @@ const PASSES: [&str; 11] = [
     "rsm/draw",
     "rsm/flux",
     "vpls/regular",
-    "gather/per-pixel",
+    "gather/tiled",
     "filter/bilateral-rows",
     "filter/bilateral-columns",
     "direct/moments",
@@ -123,7 +123,7 @@ fn a_bench_writes_nothing_unasked_and_can_say_less_or_speak_json() {
 fn a_verbose_render_lists_passes_counts_and_memory() {
     let place = Place::new();
     let stdout = place.succeeds("render box.toml -o out --verbose --frames 1");
-    for part in ["  gather/per-pixel ", "vpls/lit ", "  compose/radiance ", "memory of a frame"] {
+    for part in ["  gather/tiled ", "vpls/lit ", "  compose/radiance ", "memory of a frame"] {
         assert!(stdout.contains(part), "{part:?} is not in {stdout}");
     }
     let run = place.json("out/run.json");
@@ -189,7 +189,7 @@ fn a_trace_shows_the_hosts_work_nested_and_every_pass_of_every_frame_in_order() 
         for name in ["loading the scene", "opening the device", "bringing the scene to the device", "preparing the shaders"] {
             assert_eq!(of(name).len(), 1, "{timing}: {name}");
         }
-        for name in ["shader gather/per-pixel.comp", "pipeline of gather/per-pixel", "recording scene/vertices"] {
+        for name in ["shader gather/tiled.comp", "pipeline of gather/tiled", "recording scene/vertices"] {
             assert!(!of(name).is_empty(), "{timing}: {name}");
         }
         let frames = ["warm-up frame 0", "frame 0", "frame 1", "frame 2"].map(|name| {

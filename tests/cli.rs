@@ -141,7 +141,7 @@ fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
     let csv = fs::read_to_string(place.path("out/timings.csv")).unwrap();
     let rows: Vec<&str> = csv.lines().filter(|line| !line.starts_with('#')).collect();
     assert!(rows[0].starts_with("frame,pass,stage,ms"), "{csv}");
-    assert!(rows.iter().any(|row| row.starts_with("1,gather/per-pixel,gather,")), "{csv}");
+    assert!(rows.iter().any(|row| row.starts_with("1,gather/tiled,gather,")), "{csv}");
 
     let json: Value = serde_json::from_slice(&fs::read(place.path("out/run.json")).unwrap()).unwrap();
     assert_eq!(json["device"]["kind"], "cpu");
@@ -301,7 +301,7 @@ fn bad_input_ends_with_one_sentence_its_code_and_no_output() {
         ("a scene without triangles", &["nothing.toml"], 2, &["nothing.glb", "triangle"]),
         ("an image that does not decode", &["picture.toml"], 2, &["picture.glb", "image"]),
         ("a scene without a light", &["dark.toml"], 2, &["light", "[[light]]"]),
-        ("a pass that there is not", &["box.toml", "--dump", "gather/per-pixle"], 2, &["gather/per-pixle", "gather/per-pixel"]),
+        ("a pass that there is not", &["box.toml", "--dump", "gather/tilde"], 2, &["gather/tilde", "gather/tiled"]),
         ("a device that there is not", &["box.toml", "--device", "abacus"], 3, &["device"]),
     ];
     for (what, arguments, code, says) in cases {
@@ -370,7 +370,7 @@ fn an_injected_fault_ends_with_its_code_names_what_it_met_and_leaves_no_file() {
     place.config("");
     let cases: &[(&str, i32, &[&str])] = &[
         // The pass before it in the frame is the last that may have ended.
-        ("device-lost:gather/per-pixel", 4, &["gather/per-pixel", "lost"]),
+        ("device-lost:gather/tiled", 4, &["gather/tiled", "lost"]),
         ("device-lost:compose/sum", 4, &["compose/sum", "lost"]),
         ("out-of-memory:rsm/depth", 5, &["rsm/depth", "memory"]),
         ("out-of-memory:vpls/points", 5, &["vpls/points", "memory"]),

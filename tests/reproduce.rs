@@ -196,8 +196,8 @@ fn a_table_that_is_wrong_is_refused_before_anything_is_rendered() {
     for (from, to, expected) in [
         (
             "time = \"gather\"",
-            "time = \"gather/per-pixl\"",
-            "small.toml:20: measure: no frame of this table has \"gather/per-pixl\"; did you mean \"gather/per-pixel\"?",
+            "time = \"gather/tild\"",
+            "small.toml:20: measure: no frame of this table has \"gather/tild\"; did you mean \"gather/tiled\"?",
         ),
         ("count = \"vpls/lit\"", "count = \"vpls/lid\"", "did you mean \"vpls/lit\"?"),
         ("memory = \"gather\"", "memory = \"gathr\"", "did you mean \"gather\"?"),

@@ -66,7 +66,7 @@ fn neither_timing_nor_dumps_nor_checks_change_the_picture() {
     let mut renderer = cornell();
     let plain = files(&run(&mut renderer, &Execution::default()).picture.unwrap());
     let watched = Execution {
-        dump: ["rsm/draw", "vpls/regular", "gather/per-pixel", "compose/sum"].map(String::from).to_vec(),
+        dump: ["rsm/draw", "vpls/regular", "gather/tiled", "compose/sum"].map(String::from).to_vec(),
         check_nan: true,
         ..Execution::default()
     };
@@ -92,7 +92,7 @@ fn neither_timing_nor_dumps_nor_checks_change_the_picture() {
             ("rsm/draw", "rsm/depth"),
             ("vpls/regular", "vpls/points"),
             ("vpls/regular", "vpls/intensities"),
-            ("gather/per-pixel", "gather/irradiance"),
+            ("gather/tiled", "gather/irradiance"),
             ("compose/sum", "compose/indirect"),
             ("compose/sum", "compose/radiance"),
             ("compose/sum", "compose/image"),
