@@ -70,7 +70,7 @@ fn named(name: &str) -> Result<Vec<(String, PathBuf)>> {
         let near = crate::config::nearest(name, &names).map_or_else(String::new, |near| format!("; did you mean {near}?"));
         return Err(fail!(BadInput, "{name}: is neither a table nor a file{near} There are {}", names.join(", ")));
     }
-    Ok(found.into_iter().map(|(name, text)| ((*text).to_owned(), Path::new(name).with_extension("toml"))).collect())
+    Ok(found.into_iter().map(|(name, text)| ((*text).to_owned(), PathBuf::from(format!("{name}.toml")))).collect())
 }
 
 /// A device with a scene, which stay from run to run.

@@ -4,10 +4,10 @@ use super::plan::{Plan, Run};
 use super::{Against, Figure, Table, What};
 use crate::metrics::{self, ImageFile, Measures};
 use crate::output::write_file;
-use crate::report::Device;
+use crate::report::{Device, Statistics};
 use crate::{cache, fail};
 use anyhow::{Context, Result};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -101,6 +101,7 @@ pub fn is_done(folder: &Path, run: &Run) -> bool {
 pub const WALKS: &str = "walks.json";
 const RECORD: &str = "run.json";
 const IMAGE: &str = "image.exr";
+const TIMINGS: &str = "timings.csv";
 
 /// Works all cells out.
 ///
@@ -248,6 +249,13 @@ impl Source<'_> {
         let Some(record) = self.records.get(run.key.as_str()) else { return Ok(Err("its run is missing".to_owned())) };
         let own = run_folder(self.folder, run);
         Ok(match what {
+            What::Time { of } if of.contains('+') => match sum_of_times(&own.join(TIMINGS), of)? {
+                Ok(time) => {
+                    (cell.p5, cell.p95, cell.n) = (Some(time.p5), Some(time.p95), Some(time.n as u64));
+                    Ok(time.median)
+                }
+                Err(missing) => Err(format!("the frame has no {missing}")),
+            },
             What::Time { of } => {
                 let Some(time) = timed(&record["timings"], of) else { return Ok(Err(format!("the frame has no {of}"))) };
                 (cell.p5, cell.p95, cell.n) = (time["p5"].as_f64(), time["p95"].as_f64(), time["n"].as_u64());
@@ -292,6 +300,36 @@ fn timed<'v>(timings: &'v Value, of: &str) -> Option<&'v Value> {
     }
     let list = &timings[if of.contains('/') { "passes" } else { "stages" }];
     list.as_array()?.iter().find(|row| row["name"] == of)
+}
+
+/// What a line of `timings.csv` begins with.
+#[derive(Deserialize)]
+struct TimingRow {
+    frame: u32,
+    pass: String,
+    stage: String,
+    ms: f64,
+}
+
+/// Stages and passes of a run (`gather+filter`) added up frame by frame, or the one that the frame does not have.
+fn sum_of_times(path: &Path, of: &str) -> Result<std::result::Result<Statistics, String>> {
+    let parts: Vec<&str> = of.split('+').collect();
+    let mut seen = vec![false; parts.len()];
+    let mut frames: BTreeMap<u32, f64> = BTreeMap::new();
+    let damaged = || format!("{}: is damaged; remove its folder to run it again", path.display());
+    let mut reader = csv::Reader::from_path(path).with_context(damaged)?;
+    for row in reader.deserialize() {
+        let row: TimingRow = row.with_context(damaged)?;
+        for (_, seen) in parts.iter().zip(&mut seen).filter(|(part, _)| **part == row.pass || **part == row.stage) {
+            *seen = true;
+            *frames.entry(row.frame).or_default() += row.ms;
+        }
+    }
+    if let Some(missing) = parts.iter().zip(&seen).find_map(|(part, seen)| (!seen).then(|| (*part).to_owned())) {
+        return Ok(Err(missing));
+    }
+    let sums: Vec<f64> = frames.into_values().collect();
+    Statistics::of(&sums).map(Ok).with_context(damaged)
 }
 
 fn memory(memory: &Value, of: &str) -> Option<f64> {

@@ -91,7 +91,7 @@ pub struct Measure {
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum What {
-    /// Median milliseconds of a stage, of a pass, or of the whole frame (`frame`).
+    /// Median milliseconds of a stage, of a pass, of several added up (`gather+filter`), or of the whole frame (`frame`).
     Time { of: String },
     /// Of two other cells' values.
     Ratio { of: Place, over: Place },

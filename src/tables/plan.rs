@@ -155,14 +155,14 @@ impl Names {
             |names: &BTreeSet<String>| names.iter().filter_map(|name| name.split('/').next()).map(str::to_owned).collect::<BTreeSet<_>>();
         for (row, column) in table.places() {
             let measure = table.measure(row, column);
-            let (of, known) = match &measure.what {
-                What::Time { of } if of.contains('/') => (of, self.passes.clone()),
-                What::Count { of } => (of, self.resources.iter().cloned().chain(COUNTED.map(str::to_owned)).collect()),
-                What::Memory { of } if of.contains('/') => (of, self.resources.clone()),
-                What::Memory { of } if of != "frame" => (of, stages(&self.resources)),
+            let (names, known): (Vec<&str>, BTreeSet<String>) = match &measure.what {
+                What::Time { of } => (of.split('+').filter(|part| part.contains('/')).collect(), self.passes.clone()),
+                What::Count { of } => (vec![of], self.resources.iter().cloned().chain(COUNTED.map(str::to_owned)).collect()),
+                What::Memory { of } if of.contains('/') => (vec![of], self.resources.clone()),
+                What::Memory { of } if of != "frame" => (vec![of], stages(&self.resources)),
                 _ => continue,
             };
-            if !known.contains(of) {
+            if let Some(of) = names.into_iter().find(|of| !known.iter().any(|name| name == of)) {
                 let names: Vec<&str> = known.iter().map(String::as_str).collect();
                 let hint = nearest(of, &names)
                     .map_or_else(|| format!("there are {}", names.join(", ")), |near| format!("did you mean \"{near}\"?"));

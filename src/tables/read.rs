@@ -7,7 +7,7 @@ use crate::config::{Base, document, nearest};
 use crate::presets;
 use crate::walk::Intensity;
 use anyhow::Result;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Reads a table that would be at `path`, which relative bases and scenes start from.
 ///
@@ -118,7 +118,7 @@ fn base(tree: &Tree, origin: &Origin, path: &Path) -> Result<Base> {
     let name = text_of(node, "base")?;
     let file = path.parent().unwrap_or(Path::new("")).join(name);
     let loaded = match presets::find(name) {
-        Some(text) if !file.is_file() => return Base::parse(text, &Path::new(name).with_extension("toml")),
+        Some(text) if !file.is_file() => return Base::parse(text, &PathBuf::from(format!("{name}.toml"))),
         _ if file.is_file() => Base::load(&file),
         _ => {
             let names: Vec<&str> = presets::all().iter().map(|(name, _)| *name).collect();
@@ -196,7 +196,7 @@ fn measure(node: &Node, path: &str, names: &Names) -> Result<Measure> {
         several => return Err(error(&node.origin, path, format_args!("measures {} at once; give one", several.join(" and ")))),
     };
     if let What::Time { of } = &what {
-        check_timed(of, &node.origin, path)?;
+        of.split('+').try_for_each(|part| check_timed(part, &node.origin, path))?;
     }
     Ok(Measure { what, origin: node.origin.clone() })
 }
