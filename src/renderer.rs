@@ -1,6 +1,6 @@
 //! Renders a scene under a config, frame by frame: what the commands and the tests share.
 
-use crate::config::{Builtin, Collect, Config, IsmRenderer, SceneConfig, SceneSelector, Shadows, TimingMode, VisibilityMethod};
+use crate::config::{Builtin, Config, SceneConfig, SceneSelector, Shadows, TimingMode, VisibilityMethod};
 use crate::fail;
 use crate::frame::{Frame, Lighting, frame};
 use crate::gpu::{Adapter, Feature, Format, Gpu, Options};
@@ -253,12 +253,6 @@ impl Renderer {
             ));
         }
         check_methods(adapter, config)?;
-        if config.visibility.renderer == IsmRenderer::Splat || config.visibility.collect == Collect::Tessellation {
-            return Err(fail!(
-                BadInput,
-                "visibility: \"splat\" and \"tessellation\" are not there yet; leave renderer and collect as they are"
-            ));
-        }
         if needs_rays(config) && self.traced.is_none() {
             bail!("{}: the config traces rays, and the scene was brought without what they need (Renderer::traced)", self.scene.name);
         }

@@ -46,12 +46,18 @@ pub enum Feature {
     Snorm16Attachment,
     /// Handing values round in a subgroup of at least 4, in compute shaders.
     SubgroupBallot,
+    TessellationShader,
+    GeometryShader,
+    /// Points of up to 64 pixels from geometry shaders.
+    LargePoints,
+    /// Storage writes and atomics in vertex, tessellation and geometry shaders.
+    VertexPipelineStores,
     /// Timestamps on the queue that runs graphics and compute.
     Timestamps,
 }
 
 impl Feature {
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 14] = [
         Self::Vulkan13,
         Self::PushDescriptors,
         Self::ScalarBlockLayout,
@@ -61,6 +67,10 @@ impl Feature {
         Self::FilteredRg32Float,
         Self::Snorm16Attachment,
         Self::SubgroupBallot,
+        Self::TessellationShader,
+        Self::GeometryShader,
+        Self::LargePoints,
+        Self::VertexPipelineStores,
         Self::Timestamps,
     ];
     /// Without these no slot works.
@@ -79,6 +89,10 @@ impl fmt::Display for Feature {
             Self::FilteredRg32Float => "storage and linear filtering of R32G32_SFLOAT",
             Self::Snorm16Attachment => "R16G16_SNORM colour attachments",
             Self::SubgroupBallot => "subgroup ballot operations in compute shaders",
+            Self::TessellationShader => "tessellationShader",
+            Self::GeometryShader => "geometryShader",
+            Self::LargePoints => "largePoints and shaderTessellationAndGeometryPointSize, to 64 pixels",
+            Self::VertexPipelineStores => "vertexPipelineStoresAndAtomics",
             Self::Timestamps => "timestamp queries",
         })
     }
@@ -188,6 +202,10 @@ impl Adapter {
                 Feature::FilteredRg32Float => filtered,
                 Feature::Snorm16Attachment => snorm,
                 Feature::SubgroupBallot => ballot,
+                Feature::TessellationShader => core.tessellation_shader == on,
+                Feature::GeometryShader => core.geometry_shader == on,
+                Feature::LargePoints => [core.large_points, core.shader_tessellation_and_geometry_point_size] == [on; 2] && basic.limits.point_size_range[1] >= 64.0,
+                Feature::VertexPipelineStores => core.vertex_pipeline_stores_and_atomics == on,
                 Feature::Timestamps => timestamp_bits > 0,
             }));
         }

@@ -161,7 +161,12 @@ impl Gpu {
         let has = |feature| adapter.has(feature);
         let core = vk::PhysicalDeviceFeatures::default()
             .multi_draw_indirect(has(Feature::MultiDrawIndirect))
-            .draw_indirect_first_instance(has(Feature::MultiDrawIndirect));
+            .draw_indirect_first_instance(has(Feature::MultiDrawIndirect))
+            .tessellation_shader(has(Feature::TessellationShader))
+            .geometry_shader(has(Feature::GeometryShader))
+            .large_points(has(Feature::LargePoints))
+            .shader_tessellation_and_geometry_point_size(has(Feature::LargePoints))
+            .vertex_pipeline_stores_and_atomics(has(Feature::VertexPipelineStores));
         let mut v11 = vk::PhysicalDeviceVulkan11Features::default().shader_draw_parameters(has(Feature::ShaderDrawParameters));
         let mut v12 = vk::PhysicalDeviceVulkan12Features::default()
             .scalar_block_layout(true)

@@ -126,30 +126,33 @@ impl Gpu {
         self.finish(name, prepared, result)
     }
 
-    /// Makes a raster pipeline of a vertex and a fragment shader; `constants` go to both, by the shader's own ids.
+    /// Makes a raster pipeline of a vertex shader and those that follow it, in their order; each has its constants by its own ids.
+    /// Where the triangles are tessellated they come in as patches of three corners. Without targets nothing is rasterized.
     pub fn create_raster_pipeline(
         &mut self,
         name: &str,
-        shaders: [&Shader; 2],
-        constants: [&[(u32, u32)]; 2],
+        shaders: &[(&Shader, Vec<(u32, u32)>)],
         state: &RasterState,
     ) -> Result<PipelineId> {
-        let prepared = self.prepare(name, &shaders, vk::PipelineBindPoint::GRAPHICS)?;
-        let [(entries0, data0), (entries1, data1)] = constants.map(specialization);
-        let infos = [(&entries0, &data0), (&entries1, &data1)].map(|(e, d)| vk::SpecializationInfo::default().map_entries(e).data(d));
-        let stages: Vec<_> = (0..2)
+        let only: Vec<&Shader> = shaders.iter().map(|(shader, _)| *shader).collect();
+        let prepared = self.prepare(name, &only, vk::PipelineBindPoint::GRAPHICS)?;
+        let tessellated = only.iter().any(|shader| shader.stage == ShaderStage::TessellationControl);
+        let constants: Vec<_> = shaders.iter().map(|(_, constants)| specialization(constants)).collect();
+        let infos: Vec<_> =
+            constants.iter().map(|(entries, data)| vk::SpecializationInfo::default().map_entries(entries).data(data)).collect();
+        let stages: Vec<_> = (0..shaders.len())
             .map(|i| {
                 vk::PipelineShaderStageCreateInfo::default()
-                    .stage(stage_flag(shaders[i].stage))
+                    .stage(stage_flag(only[i].stage))
                     .module(prepared.modules[i])
                     .name(c"main")
                     .specialization_info(&infos[i])
             })
             .collect();
         let mut attributes = Vec::new();
-        for (input, location) in &shaders[0].inputs {
+        for (input, location) in &only[0].inputs {
             let Some(attribute) = VERTEX.iter().find(|attribute| attribute.name == input) else {
-                bail!("glsl/{}: a vertex has no {input}", shaders[0].name);
+                bail!("glsl/{}: a vertex has no {input}", only[0].name);
             };
             attributes.push(vk::VertexInputAttributeDescription {
                 location: *location,
@@ -163,11 +166,14 @@ impl Gpu {
         let vertex_input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_attribute_descriptions(&attributes)
             .vertex_binding_descriptions(if attributes.is_empty() { &[] } else { &buffers });
-        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let topology = if tessellated { vk::PrimitiveTopology::PATCH_LIST } else { vk::PrimitiveTopology::TRIANGLE_LIST };
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(topology);
+        let tessellation = vk::PipelineTessellationStateCreateInfo::default().patch_control_points(3);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
             .cull_mode(if state.cull_back { vk::CullModeFlags::BACK } else { vk::CullModeFlags::NONE })
             .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
+            .rasterizer_discard_enable(state.color.is_empty() && state.depth.is_none())
             .line_width(1.0);
         let samples = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
         let depth = vk::PipelineDepthStencilStateCreateInfo::default()
@@ -190,6 +196,7 @@ impl Gpu {
             .stages(&stages)
             .vertex_input_state(&vertex_input)
             .input_assembly_state(&assembly)
+            .tessellation_state(&tessellation)
             .viewport_state(&viewport)
             .rasterization_state(&raster)
             .multisample_state(&samples)
@@ -266,6 +273,9 @@ impl Gpu {
 fn stage_flag(stage: ShaderStage) -> vk::ShaderStageFlags {
     match stage {
         ShaderStage::Vertex => vk::ShaderStageFlags::VERTEX,
+        ShaderStage::TessellationControl => vk::ShaderStageFlags::TESSELLATION_CONTROL,
+        ShaderStage::TessellationEvaluation => vk::ShaderStageFlags::TESSELLATION_EVALUATION,
+        ShaderStage::Geometry => vk::ShaderStageFlags::GEOMETRY,
         ShaderStage::Fragment => vk::ShaderStageFlags::FRAGMENT,
         ShaderStage::Compute => vk::ShaderStageFlags::COMPUTE,
     }

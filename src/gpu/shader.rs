@@ -9,8 +9,23 @@ use std::collections::{HashMap, HashSet};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ShaderStage {
     Vertex,
+    TessellationControl,
+    TessellationEvaluation,
+    Geometry,
     Fragment,
     Compute,
+}
+
+impl ShaderStage {
+    /// With the extensions of their files, in the order in which a pipeline runs them.
+    pub const ALL: [(&'static str, Self); 6] = [
+        ("vert", Self::Vertex),
+        ("tesc", Self::TessellationControl),
+        ("tese", Self::TessellationEvaluation),
+        ("geom", Self::Geometry),
+        ("frag", Self::Fragment),
+        ("comp", Self::Compute),
+    ];
 }
 
 /// SPIR-V with its interface. Resources go by the names that the GLSL gives them.

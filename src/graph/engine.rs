@@ -103,7 +103,7 @@ impl Engine {
         for pass in &graph.passes {
             match pass.work {
                 Work::Compute(_) => paths.extend([format!("{}.comp", pass.shader)]),
-                Work::Raster { .. } => paths.extend([format!("{}.vert", pass.shader), format!("{}.frag", pass.shader)]),
+                Work::Raster { .. } => paths.extend(self.library.raster_paths(pass.shader)),
             }
         }
         self.library.prepare(&paths)?;

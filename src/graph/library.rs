@@ -58,6 +58,16 @@ impl Library {
         Ok(())
     }
 
+    /// The paths of a raster pass's shaders: a vertex shader, and what else there is of its name.
+    pub fn raster_paths(&self, name: &str) -> Vec<String> {
+        let path = |(extension, stage): (&str, ShaderStage)| {
+            let path = format!("{name}.{extension}");
+            let there = stage == ShaderStage::Vertex || (stage != ShaderStage::Compute && self.sources.contains_key(&path));
+            there.then_some(path)
+        };
+        ShaderStage::ALL.into_iter().filter_map(path).collect()
+    }
+
     /// A shader that has been prepared.
     pub fn get(&self, path: &str) -> &Shader {
         self.shaders.get(path).unwrap_or_else(|| unreachable!("glsl/{path} is used before it was prepared"))
@@ -65,11 +75,9 @@ impl Library {
 
     fn make(&self, path: &str) -> Result<Shader> {
         let _span = trace::span(format_args!("shader {path}"));
-        let stage = match path.rsplit_once('.').map(|(_, extension)| extension) {
-            Some("vert") => ShaderStage::Vertex,
-            Some("frag") => ShaderStage::Fragment,
-            Some("comp") => ShaderStage::Compute,
-            _ => return Err(anyhow!("glsl/{path}: its extension names no shader stage")),
+        let extension = path.rsplit_once('.').map_or("", |(_, extension)| extension);
+        let Some((_, stage)) = ShaderStage::ALL.into_iter().find(|(known, _)| *known == extension) else {
+            return Err(anyhow!("glsl/{path}: its extension names no shader stage"));
         };
         let key = self.key(path)?;
         let words = match cache::user().read("spirv", &key) {
@@ -119,6 +127,9 @@ impl Library {
         });
         let kind = match stage {
             ShaderStage::Vertex => shaderc::ShaderKind::Vertex,
+            ShaderStage::TessellationControl => shaderc::ShaderKind::TessControl,
+            ShaderStage::TessellationEvaluation => shaderc::ShaderKind::TessEvaluation,
+            ShaderStage::Geometry => shaderc::ShaderKind::Geometry,
             ShaderStage::Fragment => shaderc::ShaderKind::Fragment,
             ShaderStage::Compute => shaderc::ShaderKind::Compute,
         };

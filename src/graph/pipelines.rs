@@ -39,11 +39,15 @@ impl Engine {
         };
         // Another pass, or another frame, may declare itself differently over the same pipeline.
         check::bindings(graph, pass, list, self.gpu.bindings(id))?;
-        let extensions: &[&str] = if key.raster.is_some() { &["vert", "frag"] } else { &["comp"] };
-        let shaders = extensions.iter().map(|e| self.library.get(&format!("{}.{e}", pass.shader)));
+        let paths = match key.raster {
+            Some(_) => self.library.raster_paths(pass.shader),
+            None => vec![format!("{}.comp", pass.shader)],
+        };
+        let shaders = paths.iter().map(|path| self.library.get(path));
         check::params(pass, &shaders.map(|shader| shader.push_constants.as_ref()).collect::<Vec<_>>())?;
         if let Work::Raster { color, .. } = &pass.work {
-            let mut outputs = self.library.get(&format!("{}.frag", pass.shader)).outputs.clone();
+            let fragment = paths.iter().find(|path| path.ends_with(".frag"));
+            let mut outputs = fragment.map_or_else(Vec::new, |path| self.library.get(path).outputs.clone());
             outputs.sort_by_key(|(_, location)| *location);
             let outputs: Vec<&str> = outputs.iter().map(|(name, _)| name.as_str()).collect();
             let declared: Vec<&str> = color.iter().map(|target| target.output).collect();
@@ -71,12 +75,13 @@ impl Engine {
                 self.gpu.create_compute_pipeline(pass.name, shader, &ids(shader))
             }
             Some(state) => {
-                let vertex = self.library.get(&format!("{}.vert", pass.shader));
-                let fragment = self.library.get(&format!("{}.frag", pass.shader));
-                if let Some(name) = unknown(&[vertex, fragment]) {
+                let paths = self.library.raster_paths(pass.shader);
+                let shaders: Vec<&Shader> = paths.iter().map(|path| self.library.get(path)).collect();
+                if let Some(name) = unknown(&shaders) {
                     bail!("pass {}: the shaders have no specialization constant {name}", pass.name);
                 }
-                self.gpu.create_raster_pipeline(pass.name, [vertex, fragment], [&ids(vertex), &ids(fragment)], state)
+                let shaders: Vec<_> = shaders.into_iter().map(|shader| (shader, ids(shader))).collect();
+                self.gpu.create_raster_pipeline(pass.name, &shaders, state)
             }
         }
     }

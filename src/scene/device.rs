@@ -244,6 +244,26 @@ impl DeviceScene {
         ranges.into_iter().map(|(bucket, first, count)| self.draw_list(&bucket.key, arguments, first, count, maps)).collect()
     }
 
+    /// All triangles as patches to tessellate, whatever any view sees, without their materials.
+    pub fn patch_list(&self, g: &mut Graph, name: &str, max_area: f32) -> Vec<DrawList> {
+        let patches = self.triangle_table.patches(max_area);
+        if patches.is_empty() {
+            return Vec::new();
+        }
+        let arguments = g.upload(name, &patches);
+        vec![DrawList {
+            textures: Vec::new(),
+            blocks: Vec::new(),
+            constants: Vec::new(),
+            cull_back: false,
+            vertices: self.vertices,
+            indices: self.indices,
+            arguments,
+            first: 0,
+            count: patches.len() as u32,
+        }]
+    }
+
     fn draw_list(&self, key: &BucketKey, arguments: Buffer, first: u32, count: u32, maps: Maps) -> DrawList {
         let has = maps as usize;
         let mut constants = vec![("MASKED", u32::from(key.masked)), ("VERTEX_COLOR", u32::from(key.colored))];

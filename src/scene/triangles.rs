@@ -2,6 +2,7 @@
 //! that a workgroup takes, and how large they are.
 
 use super::Scene;
+use super::device::DrawArguments;
 use crate::gpu::{BufferId, Gpu};
 use crate::graph::{Buffer, Graph};
 use crate::shader_struct;
@@ -31,8 +32,16 @@ pub struct Triangles {
     pub positions: BufferId,
     pub vertex_count: u32,
     pub index_count: u32,
-    chunks: Vec<(ChunkData, f32)>,
+    chunks: Vec<Chunk>,
     areas: Areas,
+}
+
+/// What is the same in all frames of a chunk.
+struct Chunk {
+    data: ChunkData,
+    /// Of all its triangles, and of the largest, m^2.
+    area: f32,
+    largest: f32,
 }
 
 /// The triangles' buffers in one frame's graph.
@@ -49,13 +58,14 @@ impl Triangles {
         for (number, draw) in scene.draws.iter().enumerate() {
             let corners: Vec<_> = scene.draw_vertices(draw).map(|v| draw.transform.transform_point3(v.position.into())).collect();
             for (i, triangles) in corners.chunks(3 * CHUNK as usize).enumerate() {
-                let mut sum = 0.0;
+                let (mut sum, mut largest) = (0.0, 0.0f32);
                 for t in triangles.chunks_exact(3) {
                     let area = 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).length();
                     areas.add(area);
                     sum += area;
+                    largest = largest.max(area);
                 }
-                let chunk = ChunkData {
+                let data = ChunkData {
                     first_index: draw.first_index + 3 * CHUNK * i as u32,
                     triangles: triangles.len() as u32 / 3,
                     vertex_offset: draw.vertex_offset,
@@ -63,7 +73,7 @@ impl Triangles {
                     slice: 0,
                     slices: 1,
                 };
-                chunks.push((chunk, sum));
+                chunks.push(Chunk { data, area: sum, largest });
             }
         }
         Ok(Self {
@@ -85,13 +95,41 @@ impl Triangles {
 
     /// A workgroup an element: chunks of which `max_area` makes many points go to several.
     pub fn chunks(&self, max_area: f32) -> Vec<ChunkData> {
-        let slices = |(chunk, area): &(ChunkData, f32)| {
-            let points = f64::from(chunk.triangles) + 1.5 * f64::from(*area) / f64::from(max_area);
+        let slices = |chunk: &Chunk| {
+            let points = f64::from(chunk.data.triangles) + 1.5 * f64::from(chunk.area) / f64::from(max_area);
             let slices = (points / POINTS_A_GROUP).ceil().clamp(1.0, 4096.0) as u32;
-            let chunk = *chunk;
+            let chunk = chunk.data;
             (0..slices).map(move |slice| ChunkData { slice, slices, ..chunk })
         };
         self.chunks.iter().flat_map(slices).collect()
+    }
+
+    /// Draws of all triangles as patches: an instance for each part that the chunk's largest triangle is split into.
+    pub fn patches(&self, max_area: f32) -> Vec<DrawArguments> {
+        let mut draws: Vec<DrawArguments> = Vec::new();
+        for Chunk { data, largest, .. } in &self.chunks {
+            // What the device's rounding may make of it is a part more at most.
+            let split = subdivision(f64::from(*largest) * 1.001, f64::from(max_area)).0 as u32;
+            let arguments = DrawArguments {
+                index_count: 3 * data.triangles,
+                instance_count: split * split,
+                first_index: data.first_index,
+                vertex_offset: data.vertex_offset as i32,
+                first_instance: data.draw,
+            };
+            match draws.last_mut() {
+                Some(last)
+                    if DrawArguments { index_count: 0, first_index: 0, ..*last }
+                        == DrawArguments { index_count: 0, first_index: 0, ..arguments }
+                        && last.first_index + last.index_count == arguments.first_index
+                        && last.index_count < 3 * 4096 =>
+                {
+                    last.index_count += arguments.index_count;
+                }
+                _ => draws.push(arguments),
+            }
+        }
+        draws
     }
 
     /// The largest small triangle's area, m^2, that gives about so many points; see `glsl/visibility/point.glsl`. Every triangle gives
@@ -158,10 +196,15 @@ impl Areas {
 
 /// Points of a triangle, as `subdivision` of `glsl/visibility/point.glsl` gives them.
 fn points_of_triangle(area: f64, max_area: f64) -> f64 {
+    let (split, n) = subdivision(area, max_area);
+    split * split * (1.5 * n * n).floor()
+}
+
+/// Into how many parts a side of a triangle is cut, and the level that those are tessellated with: `glsl/visibility/point.glsl`.
+fn subdivision(area: f64, max_area: f64) -> (f64, f64) {
     let level = |area: f64| if area <= max_area { 1.0 } else { (area * (2.0 / 3.0) / max_area).sqrt().ceil().max(2.0) };
     let split = (level(area) / MOST_LEVEL).ceil();
-    let n = level(area / (split * split)).min(MOST_LEVEL);
-    split * split * (1.5 * n * n).floor()
+    (split, level(area / (split * split)).min(MOST_LEVEL))
 }
 
 /// The tessellation level that no driver loses patches with, of `glsl/visibility/point.glsl`.

@@ -14,5 +14,6 @@ mod indirect;
 #[allow(dead_code)] // The loader's tests use the rest.
 mod make;
 mod reference;
+mod points;
 mod repeat;
 mod sampling;

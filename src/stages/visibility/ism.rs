@@ -1,7 +1,7 @@
 //! Imperfect shadow maps (Ritschel et al. 2008; Linke 2016, sections 3.3 and 4.4): a small paraboloid map for every VPL, made of
 //! points that stand for the scene's triangles, each map of other points.
 
-use super::points::{self, Points};
+use super::points::{self, Points, PointsParams};
 use super::{Surroundings, Visibility, VisibilityConfig, adaptive, pull_push};
 use crate::config::{IsmRenderer, PointSet};
 use crate::gpu::Format;
@@ -12,6 +12,16 @@ use crate::stages::vpls::Vpls;
 shader_struct! {
     struct ClearParams {
         size: [i32; 2],
+    }
+
+    /// `glsl/visibility/splat.glsl`.
+    struct SplatBlock {
+        size: [i32; 2],
+        columns: u32,
+        considered: u32,
+        collected: u32,
+        far: f32,
+        enlarge: f32,
     }
 
     struct SinglePixelParams {
@@ -26,6 +36,10 @@ shader_struct! {
         enlarge: f32,
     }
 }
+
+/// By how much radii grow where the config does not say: disks that cover a surface's area at random leave holes in it.
+const SINGLE_PIXEL_ENLARGE: f32 = 1.25;
+const SPLAT_ENLARGE: f32 = 1.5;
 
 /// The maps of all VPLs, side by side in one image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +73,7 @@ pub fn partition_capacity(config: &VisibilityConfig, points: f64, partitions: u3
 pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Visibility {
     let maps = match config.renderer {
         IsmRenderer::SinglePixel => single_pixel(g, around, vpls, config),
-        IsmRenderer::Splat => todo!(),
+        IsmRenderer::Splat => splat(g, around, vpls, config),
     };
     let far = around.scene.bounds.size().length();
     Visibility::Ism(Ism { maps, size: config.map_size, columns: layout(vpls.count)[0], far, bias: bias(config, vpls.count) })
@@ -133,7 +147,50 @@ fn draw_single_pixels(
             columns,
             far: diagonal,
             diagonal,
-            enlarge: config.enlarge.unwrap_or(1.25),
+            enlarge: config.enlarge.unwrap_or(SINGLE_PIXEL_ENLARGE),
         })
         .dispatch_groups([points.partitions, 1, 1]);
+}
+
+/// Points as squares of their size, straight from the tessellator (section 4.4.2).
+fn splat(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
+    let [columns, rows] = layout(vpls.count);
+    let size = [columns * config.map_size, rows * config.map_size];
+    let splats = g.image("visibility/splats", Format::Depth32, size);
+    let maps = g.image("visibility/maps", Format::R32Float, size);
+    let max_area = around.scene.triangle_table.max_area(config.point_count, config.thin);
+    let diagonal = around.scene.bounds.size().length();
+    let collected = collected(config, vpls.count);
+    let block = g.upload(
+        "visibility/splat",
+        &[SplatBlock {
+            size: size.map(|n| n as i32),
+            columns,
+            considered: considered(config, vpls.count),
+            collected,
+            far: diagonal,
+            enlarge: config.enlarge.unwrap_or(SPLAT_ENLARGE),
+        }],
+    );
+    let patches = around.scene.patch_list(g, "visibility/patches", max_area);
+    let params = PointsParams { max_area, diagonal, partitions: vpls.count, capacity: 0, seed: around.seed };
+    // A geometry stage that may give many points is slow even where it gives one.
+    let name = if collected > 1 { "visibility/splat-several" } else { "visibility/splat" };
+    g.raster(name)
+        .reads("draws", around.handles.draws)
+        .reads("vpls", vpls.points)
+        .reads("splat", block)
+        .constant("THIN", config.thin)
+        .constant("MAP_SIZE", config.map_size)
+        .constant("DISTORTION", config.distortion)
+        .constant("CLAMP", config.clamp)
+        .params(&params)
+        .depth(splats)
+        .draw(patches);
+    g.compute("visibility/splat-distances")
+        .reads("splats", splats)
+        .writes("maps", maps)
+        .params(&ClearParams { size: size.map(|n| n as i32) })
+        .dispatch([size[0], size[1], 1]);
+    maps
 }

@@ -52,7 +52,7 @@ pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, 
     let params = PointsParams { max_area, diagonal, partitions, capacity, seed: around.seed };
     match config.collect {
         Collect::Compute => computed(g, around, points, &params, config.thin),
-        Collect::Tessellation => todo!(),
+        Collect::Tessellation => tessellated(g, around, points, &params, config.thin),
     }
     points
 }
@@ -66,6 +66,18 @@ fn computed(g: &mut Graph, around: Surroundings<'_>, points: Points, params: &Po
         .constant("THIN", thin)
         .params(params)
         .dispatch_groups([groups, 1, 1]);
+}
+
+/// The thesis's way: the tessellator cuts, and the geometry stage makes the points.
+fn tessellated(g: &mut Graph, around: Surroundings<'_>, points: Points, params: &PointsParams, thin: bool) {
+    let patches = around.scene.patch_list(g, "visibility/patches", params.max_area);
+    g.raster("visibility/points-tessellated")
+        .reads("draws", around.handles.draws)
+        .writes("points", points.points)
+        .updates("fill", points.fill)
+        .constant("THIN", thin)
+        .params(params)
+        .draw(patches);
 }
 
 /// The triangles in chunks, a workgroup each.

@@ -1,0 +1,98 @@
+//! Points of imperfect shadow maps from triangles: by the tessellator and by a compute pass.
+
+use crate::common::*;
+use glam::Vec3;
+use manylight::config::{Builtin, Collect, Config, SceneConfig, VisibilityMethod};
+use manylight::graph::{DumpData, Execution};
+use manylight::renderer::{Renderer, load_scene};
+use manylight::scene::Scene;
+use std::collections::BTreeMap;
+
+/// A point as the buffers hold it: `glsl/visibility/point.glsl`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Point {
+    position: Vec3,
+    packed: u32,
+    partition: usize,
+}
+
+fn config(points: u32) -> Config {
+    let mut config = plain([64, 36], Vec3::new(0.1, 1.0, 0.2), Vec3::new(0.3, 0.9, -1.0), 60.0, directional(Vec3::NEG_Y, [1.0; 3]));
+    config.visibility.method = VisibilityMethod::ImperfectShadowMaps;
+    config.visibility.point_count = points;
+    config.visibility.map_size = 16;
+    config.vpls.count = 64;
+    config
+}
+
+fn points(renderer: &mut Renderer, config: &Config) -> Vec<Point> {
+    let pass = match config.visibility.collect {
+        Collect::Compute => "visibility/points-computed",
+        Collect::Tessellation => "visibility/points-tessellated",
+    };
+    renderer.check(config).unwrap();
+    let execution = Execution { dump: vec![pass.to_owned()], ..Execution::default() };
+    let rendered = renderer.render(config, 0, false, &execution).unwrap();
+    let words = |name: &str| -> Vec<u32> {
+        let dump = rendered.dumps.iter().find(|dump| dump.resource == name).unwrap();
+        let DumpData::Buffer { bytes, .. } = &dump.data else { panic!("{name} is a buffer") };
+        bytes.chunks_exact(4).map(|w| u32::from_le_bytes(w.try_into().unwrap())).collect()
+    };
+    let (buffer, fill) = (words("visibility/points"), words("visibility/fill"));
+    let capacity = buffer.len() / 4 / fill.len();
+    let mut all = Vec::new();
+    for (partition, held) in fill.iter().enumerate() {
+        assert!(*held as usize <= capacity, "partition {partition} holds {held} of {capacity}");
+        for p in buffer[4 * partition * capacity..].chunks_exact(4).take(*held as usize) {
+            let position = Vec3::from_array([p[0], p[1], p[2]].map(f32::from_bits));
+            all.push(Point { position, packed: p[3], partition });
+        }
+    }
+    all
+}
+
+/// One triangle so large that it is cut into parts before it is tessellated.
+fn huge() -> Scene {
+    let mut scene = Scene::default();
+    add_quad(&mut scene, [Vec3::new(-3.0, 0.0, 2.0), Vec3::new(4.0, 0.0, 3.0), Vec3::new(5.0, 1.0, -4.0), Vec3::new(-2.0, 1.0, -5.0)], matte([0.5; 3]));
+    scene
+}
+
+fn scenes() -> Vec<(&'static str, Scene, u32)> {
+    let builtin = |builtin, triangles| load_scene(&SceneConfig { builtin: Some(builtin), triangles, ..SceneConfig::default() }).unwrap().0;
+    let some = SceneConfig::default().triangles;
+    vec![
+        ("two triangles", huge(), 20_000),
+        ("cornell", builtin(Builtin::Cornell, some), 5_000),
+        ("cornell, finer", builtin(Builtin::Cornell, some), 60_000),
+        ("atrium", builtin(Builtin::Atrium, 20_000), 60_000),
+    ]
+}
+
+#[test]
+fn both_ways_of_collecting_make_the_same_points() {
+    for (name, scene, count) in scenes() {
+        let mut renderer = renderer(scene);
+        let mut config = config(count);
+        let mut sets = [Collect::Compute, Collect::Tessellation].map(|collect| {
+            config.visibility.collect = collect;
+            let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
+            let points = points(&mut renderer, &config);
+            points.iter().for_each(|point| *counts.entry(point.partition).or_default() += 1);
+            (points, counts)
+        });
+        let [(computed, by_compute), (tessellated, by_tessellator)] = &mut sets;
+        println!("{name}: {} computed, {} tessellated", computed.len(), tessellated.len());
+        assert_eq!(computed.len(), tessellated.len(), "{name}");
+        assert_eq!(by_compute, by_tessellator, "{name}: points of each partition");
+        // Every point has its twin in the same partition.
+        let extent = renderer.device_scene().bounds.size().length();
+        let mut partitions: BTreeMap<usize, Vec<Point>> = BTreeMap::new();
+        computed.iter().for_each(|point| partitions.entry(point.partition).or_default().push(*point));
+        for point in tessellated.iter() {
+            let twin = partitions[&point.partition].iter().map(|other| other.position.distance(point.position)).fold(f32::INFINITY, f32::min);
+            assert!(twin < 1e-4 * extent, "{name}: {point:?} is {twin} from the nearest computed one");
+        }
+        finish(renderer.gpu());
+    }
+}
