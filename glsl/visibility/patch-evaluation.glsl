@@ -1,5 +1,6 @@
 // A corner of a small triangle.
-layout(triangles, equal_spacing, ccw) in;
+// Clockwise in the tessellator's own coordinates, whose origin is above, is counter-clockwise here: normals point to the front.
+layout(triangles, equal_spacing, cw) in;
 
 layout(location = 0) in vec3 position[];
 layout(location = 1) patch in uvec4 triangle;
