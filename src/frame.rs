@@ -8,7 +8,7 @@ use crate::scene::traced::TracedScene;
 use crate::stages::compose::Composed;
 use crate::stages::gbuffer::GBuffer;
 use crate::stages::visibility::Surroundings;
-use crate::stages::{compose, direct, filter, gather, gbuffer, rsm, visibility, vpls};
+use crate::stages::{compose, direct, filter, gather, gbuffer, rsm, ssao, visibility, vpls};
 use glam::Vec3;
 
 /// What a frame is lit by.
@@ -49,7 +49,8 @@ pub fn frame(g: &mut Graph, scene: &DeviceScene, traced: Option<&TracedScene>, v
     let visibility = visibility::render(g, around, &vpls, &config.visibility);
     let indirect = gather::indirect(g, &gbuffer, &vpls, visibility, &config.gather);
     let irradiance = filter::smooth(g, &gbuffer, indirect, config.gather.interleave, &config.filter);
+    let visible = ssao::occlusion(g, &gbuffer, &config.ssao);
     let direct = direct::shade(g, scene, traced.as_ref(), &gbuffer, &rsm, config.materials.dielectric, &config.direct);
-    let composed = compose::sum(g, &gbuffer, direct, irradiance, lighting.environment, &config.compose);
+    let composed = compose::sum(g, &gbuffer, direct, irradiance, visible, lighting.environment, &config.compose);
     Frame { gbuffer, irradiance, direct, composed }
 }

@@ -3,7 +3,7 @@
 
 use super::{
     Builtin, Collect, Config, Culling, Dielectric, FilterKind, GatherMethod, Interpolation, IsmRenderer, Layer, PointSet, Shadows,
-    TimingMode, Tonemap, VisibilityMethod, VplSampler,
+    SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityMethod, VplSampler,
 };
 use serde::Deserialize;
 use serde::de::{self, Visitor};
@@ -272,6 +272,11 @@ fn list() -> Vec<KeyInfo> {
             "How far points are lifted off their surface for the shadow test, beside a texel's width on slopes, metres",
         ),
         key("direct.blur", Whole { min: 0, max: 8 }, "Filter radius of the shadow map, texels"),
+        key("ssao.method", Choice(choices::<SsaoMethod>()), "Screen-space ambient occlusion of the indirect light"),
+        key("ssao.radius", above(0.0, 1000.0), "How far occluders are looked for, metres"),
+        key("ssao.samples", Whole { min: 1, max: 32 }, "Looks at the depth to each of both sides"),
+        key("ssao.resolution", Choice(choices::<SsaoResolution>()), "Of all pixels, or of every second in every second row"),
+        key("ssao.strength", from(0.0, 1.0), "How much of it is applied"),
         key("compose.exposure", above(0.0, 1e9), "Multiplies the radiance; only in the picture, never in the EXR"),
         key(
             "compose.background",

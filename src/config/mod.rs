@@ -18,8 +18,8 @@ pub use load::{load, parse, to_toml};
 pub use scene::{Builtin, CameraConfig, CameraKeyframe, Interpolation, LightConfig, LightKeyframe, SceneConfig, SceneSelector};
 pub use stages::{
     BoxConfig, Collect, ComposeConfig, Culling, Dielectric, DirectConfig, FilterConfig, FilterKind, FrameConfig, GatherConfig,
-    GatherMethod, IsmRenderer, Layer, MaterialsConfig, OutputConfig, PointSet, RsmConfig, Shadows, TimingMode, Tonemap, VisibilityConfig,
-    VisibilityMethod, VplSampler, VplsConfig,
+    GatherMethod, IsmRenderer, Layer, MaterialsConfig, OutputConfig, PointSet, RsmConfig, Shadows, SsaoConfig, SsaoMethod, SsaoResolution,
+    TimingMode, Tonemap, VisibilityConfig, VisibilityMethod, VplSampler, VplsConfig,
 };
 
 use serde::{Deserialize, Serialize};
@@ -43,6 +43,7 @@ pub struct Config {
     pub gather: GatherConfig,
     pub filter: FilterConfig,
     pub direct: DirectConfig,
+    pub ssao: SsaoConfig,
     pub compose: ComposeConfig,
     pub output: OutputConfig,
 }

@@ -305,6 +305,44 @@ pub enum Shadows {
     None,
 }
 
+/// `[ssao]`: screen-space ambient occlusion, which darkens the indirect light where surfaces nearby stand in its way.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SsaoConfig {
+    pub method: SsaoMethod,
+    /// How far occluders are looked for, metres, over 0 to 1,000.
+    pub radius: f32,
+    /// Looks at the depth to each of both sides, 1 to 32.
+    pub samples: u32,
+    pub resolution: SsaoResolution,
+    /// How much of it is applied, 0 to 1.
+    pub strength: f32,
+}
+
+impl Default for SsaoConfig {
+    fn default() -> Self {
+        Self { method: SsaoMethod::None, radius: 0.6, samples: 4, resolution: SsaoResolution::Half, strength: 1.0 }
+    }
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SsaoMethod {
+    #[default]
+    None,
+    /// By how high the depth rises around a pixel.
+    Horizons,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SsaoResolution {
+    Full,
+    /// Every second pixel of every second row.
+    #[default]
+    Half,
+}
+
 /// `[compose]`: from linear radiance to the picture. Touches `image.png` only, never the EXR.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]

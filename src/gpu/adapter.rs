@@ -204,7 +204,10 @@ impl Adapter {
                 Feature::SubgroupBallot => ballot,
                 Feature::TessellationShader => core.tessellation_shader == on,
                 Feature::GeometryShader => core.geometry_shader == on,
-                Feature::LargePoints => [core.large_points, core.shader_tessellation_and_geometry_point_size] == [on; 2] && basic.limits.point_size_range[1] >= 64.0,
+                Feature::LargePoints => {
+                    [core.large_points, core.shader_tessellation_and_geometry_point_size] == [on; 2]
+                        && basic.limits.point_size_range[1] >= 64.0
+                }
                 Feature::VertexPipelineStores => core.vertex_pipeline_stores_and_atomics == on,
                 Feature::Timestamps => timestamp_bits > 0,
             }));

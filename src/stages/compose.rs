@@ -26,15 +26,26 @@ pub struct Composed {
     pub image: Image,
 }
 
-/// Adds direct, indirect and emitted light; `environment` is the radiance where there is no surface.
-pub fn sum(g: &mut Graph, gbuffer: &GBuffer, direct: Image, irradiance: Image, environment: Vec3, config: &ComposeConfig) -> Composed {
+/// Adds direct, indirect and emitted light; the indirect times `visible`, where that is; `environment` is the radiance where there is no surface.
+pub fn sum(
+    g: &mut Graph,
+    gbuffer: &GBuffer,
+    direct: Image,
+    irradiance: Image,
+    visible: Option<Image>,
+    environment: Vec3,
+    config: &ComposeConfig,
+) -> Composed {
     let composed = Composed {
         indirect: g.image("compose/indirect", Format::Rgba16Float, gbuffer.size),
         radiance: g.image("compose/radiance", Format::Rgba16Float, gbuffer.size),
         image: g.image("compose/image", Format::Rgba8Unorm, gbuffer.size),
     };
-    g.compute("compose/sum")
-        .reads("view", gbuffer.view)
+    let pass = match visible {
+        None => g.compute("compose/sum"),
+        Some(visible) => g.compute("compose/sum-occluded").reads("visible", visible),
+    };
+    pass.reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
         .reads("albedo", gbuffer.albedo)
         .reads("metallic_roughness", gbuffer.metallic_roughness)

@@ -7,6 +7,7 @@ pub mod filter;
 pub mod gather;
 pub mod gbuffer;
 pub mod rsm;
+pub mod ssao;
 pub mod visibility;
 pub mod vpls;
 
@@ -42,6 +43,8 @@ pub const METHODS: &[Method] = {
         method("direct.shadows", "percentage-closer", &[]),
         method("direct.shadows", "ray-traced", &[]),
         method("direct.shadows", "none", &[]),
+        method("ssao.method", "none", &[]),
+        method("ssao.method", "horizons", &[FilteredRg32Float]),
         method("compose", "sum", &[]),
         method("reference", "path", &[]),
     ]

@@ -13,7 +13,8 @@ mod indirect;
 #[path = "../gltf/make.rs"]
 #[allow(dead_code)] // The loader's tests use the rest.
 mod make;
-mod reference;
 mod points;
+mod reference;
 mod repeat;
 mod sampling;
+mod ssao;

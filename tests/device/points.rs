@@ -67,7 +67,11 @@ fn points(renderer: &mut Renderer, config: &Config) -> Vec<Point> {
 /// One triangle so large that it is cut into parts before it is tessellated.
 fn huge() -> Scene {
     let mut scene = Scene::default();
-    add_quad(&mut scene, [Vec3::new(-3.0, 0.0, 2.0), Vec3::new(4.0, 0.0, 3.0), Vec3::new(5.0, 1.0, -4.0), Vec3::new(-2.0, 1.0, -5.0)], matte([0.5; 3]));
+    add_quad(
+        &mut scene,
+        [Vec3::new(-3.0, 0.0, 2.0), Vec3::new(4.0, 0.0, 3.0), Vec3::new(5.0, 1.0, -4.0), Vec3::new(-2.0, 1.0, -5.0)],
+        matte([0.5; 3]),
+    );
     scene
 }
 
