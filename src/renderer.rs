@@ -70,6 +70,19 @@ pub struct Rendered {
     pub picture: Option<Picture>,
 }
 
+impl Rendered {
+    /// What a user should know of how this frame went.
+    pub fn warnings(&self) -> Vec<String> {
+        let dropped = self.counts.iter().find(|(name, count)| name == "visibility/dropped-points" && *count > 0);
+        let warning = |(_, count): &(String, u64)| {
+            format!(
+                "visibility.capacity: {count} points came to partitions that do not hold as many and were left out; raise it, or leave it to the program"
+            )
+        };
+        dropped.map(warning).into_iter().collect()
+    }
+}
+
 /// A frame's images on the host, row by row from the top.
 pub struct Picture {
     pub size: [u32; 2],

@@ -119,6 +119,15 @@ float point_radius(Point p, float diagonal) { return diagonal * exp2((float(p.pa
 
 bool point_is_double_sided(Point p) { return p.packed >> 31 != 0u; }
 
+// Whether a VPL can be hidden by a point, `way` from it: the point lies before it and turns towards it, both by half a degree at
+// least. Flatter ones cover nothing, and rounding alone decides about those of the VPL's own surface.
+bool point_faces(Point point, vec3 normal, vec3 way, vec3 facing) {
+    float before = dot(facing, way), turned = -dot(normal, way);
+    if (point_is_double_sided(point)) turned = abs(turned);
+    float least = 1e-4 * dot(way, way);
+    return before > 0.0 && before * before > least && turned > 0.0 && turned * turned > least;
+}
+
 // By how much a point's radius grows, since the points near it are in other maps: `count` VPLs share the points out, each point
 // considers `considered` of them, could be drawn for `passing` of those, and is drawn for `drawn`.
 float point_enlargement(uint count, uint considered, uint passing, uint drawn) {

@@ -54,12 +54,9 @@ void main() {
     for (uint i = lane; i < held; i += 64u) {
         Point point = points.at[part * params.capacity + i];
         vec3 normal = point_normal(point);
-        bool double_sided = point_is_double_sided(point);
         uint seen = 0u;
         for (uint k = 0u; k < params.considered; k++) {
-            vec3 way = point.position - position[k];
-            bool sees = dot(axes[k][2], way) > 0.0 && (double_sided || dot(normal, way) < 0.0);
-            seen |= uint(sees) << k;
+            seen |= uint(point_faces(point, normal, point.position - position[k], axes[k][2])) << k;
         }
         uint passing = bitCount(seen), rest = min(passing, params.collected);
         total += rest;
@@ -76,6 +73,8 @@ void main() {
                 // A disk seen aslant covers less.
                 float seen_radius = DISTORTION ? radius * sqrt(abs(dot(normal, way)) / d) : radius;
                 float size = paraboloid_radius(seen_radius, d, w.z, DISTORTION) * (0.5 * float(MAP_SIZE));
+                // A texel's middle is not the point's place: it reaches so much farther.
+                size = sqrt(size * size + 0.75 * 0.75);
                 uint word = pack_pixel(d / params.far, size);
                 // Most points lose, and to look first is cheaper than to be told.
                 ivec2 at = corner[k] + texel;

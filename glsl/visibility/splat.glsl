@@ -26,8 +26,7 @@ out gl_PerVertex {
 };
 
 bool sees(Point point, vec3 normal, VplPoint vpl) {
-    vec3 way = point.position - vpl.position;
-    return dot(octahedral_snorm16_inverse(vpl.normal), way) > 0.0 && (point_is_double_sided(point) || dot(normal, way) < 0.0);
+    return point_faces(point, normal, point.position - vpl.position, octahedral_snorm16_inverse(vpl.normal));
 }
 
 void main() {

@@ -50,6 +50,10 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         last = Some(rendered);
     }
     let Some(rendered) = last else { unreachable!("at least one frame is measured") };
+    rendered.warnings().into_iter().for_each(|warning| {
+        progress.warn(&warning);
+        warnings.push(warning);
+    });
 
     let from = provenance(&args.config, &config, &renderer);
     let report = RunReport {

@@ -60,7 +60,7 @@ impl Measured {
             counts: counts(renderer, config, None, &self.last.counts),
             memory: Memory::of(&self.last.memory),
             checks: BTreeMap::new(),
-            warnings: renderer.warnings(config),
+            warnings: [renderer.warnings(config), self.last.warnings()].concat(),
             peak_memory_bytes: peak_memory_bytes(),
             config: serde_json::to_value(config).context("the config cannot be written as JSON")?,
         };

@@ -72,6 +72,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         last = is_last.then_some(rendered);
     }
     let Some(rendered) = last else { unreachable!("there is a frame") };
+    rendered.warnings().into_iter().for_each(|warning| {
+        progress.warn(&warning);
+        warnings.push(warning);
+    });
     let Some(picture) = &rendered.picture else { unreachable!("the last frame is brought back") };
 
     progress.say("writing");

@@ -248,7 +248,7 @@ fn list() -> Vec<KeyInfo> {
         absent(
             "visibility.enlarge",
             above(0.0, 16.0),
-            "1.25, 1.5 for splats",
+            "1.25, 0.9 for splats",
             "Multiplies the points' radius: at random, they leave holes",
         ),
         key("visibility.normals", Flag, "A point's normal limits its size"),

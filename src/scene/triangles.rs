@@ -138,7 +138,7 @@ impl Triangles {
         self.areas.max_area(f64::from(points), thin)
     }
 
-    /// How many points an area gives.
+    /// How many points that area gives: on the average where small triangles are thinned, else at most.
     pub fn points(&self, max_area: f32, thin: bool) -> f64 {
         self.areas.points(max_area, thin)
     }
@@ -147,40 +147,56 @@ impl Triangles {
 /// How many triangles there are of each size: bins of the area's logarithm.
 #[derive(Debug, Clone)]
 struct Areas {
-    /// Triangles, and the sum of their areas.
-    bins: Vec<(f64, f64)>,
+    bins: Vec<Bin>,
+}
+
+/// Triangles of about the same size.
+#[derive(Debug, Clone, Default)]
+struct Bin {
+    count: f64,
+    sum: f64,
+    largest: f64,
 }
 
 impl Default for Areas {
     fn default() -> Self {
-        Self { bins: vec![(0.0, 0.0); Self::BINS] }
+        Self { bins: vec![Bin::default(); Self::BINS] }
     }
 }
 
 impl Areas {
     const BINS: usize = 4096;
     const PER_OCTAVE: f32 = 48.0;
+    /// Of an area, relative.
+    const ROUNDING: f64 = 1e-5;
+
+    fn total(&self) -> f64 {
+        self.bins.iter().map(|bin| bin.sum).sum()
+    }
 
     fn add(&mut self, area: f32) {
         if area > 0.0 {
             let bin = (area.log2() * Self::PER_OCTAVE) as i64 + Self::BINS as i64 / 2;
-            let (count, sum) = &mut self.bins[bin.clamp(0, Self::BINS as i64 - 1) as usize];
-            *count += 1.0;
-            *sum += f64::from(area);
+            let bin = &mut self.bins[bin.clamp(0, Self::BINS as i64 - 1) as usize];
+            bin.count += 1.0;
+            bin.sum += f64::from(area);
+            bin.largest = bin.largest.max(f64::from(area));
         }
     }
 
     fn points(&self, max_area: f32, thin: bool) -> f64 {
         let max_area = f64::from(max_area);
         if thin {
-            return self.bins.iter().map(|(_, sum)| sum).sum::<f64>() / max_area;
+            return self.total() / max_area;
         }
-        let some = self.bins.iter().filter(|(count, _)| *count > 0.0);
-        some.map(|(count, sum)| count * points_of_triangle(sum / count, max_area)).sum()
+        // By the largest of each bin, and what the device may round it to: else a mesh of equal triangles, whose area may lie right
+        // where the next level begins, would give more points than there is room for.
+        let some = self.bins.iter().filter(|bin| bin.count > 0.0);
+        some.map(|bin| bin.count * points_of_triangle(bin.largest * (1.0 + Self::ROUNDING), max_area)).sum()
     }
 
     fn max_area(&self, points: f64, thin: bool) -> f32 {
-        let total: f64 = self.bins.iter().map(|(_, sum)| sum).sum();
+        let total = self.total();
         if thin {
             return (total / points) as f32;
         }

@@ -3,9 +3,9 @@
 use glam::{Affine3A, DVec3, Vec2, Vec3};
 use manylight::config::{CameraConfig, Config, FilterKind, LightConfig, Shadows};
 use manylight::gpu::{DeviceChoice, Gpu, Options};
-use manylight::graph::Execution;
+use manylight::graph::{DumpData, Execution};
 use manylight::reference::{Settings, Sums, Tracer};
-use manylight::renderer::{Picture, Renderer};
+use manylight::renderer::{Picture, Rendered, Renderer};
 use manylight::scene::builder::Mesh;
 use manylight::scene::{Material, Scene};
 use std::cell::RefCell;
@@ -91,6 +91,20 @@ pub fn picture(renderer: &mut Renderer, config: &Config) -> Picture {
     renderer.check(config).unwrap_or_else(|error| panic!("{error:#}"));
     let rendered = renderer.render(config, 0, true, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
     rendered.picture.unwrap_or_else(|| panic!("the picture was asked for"))
+}
+
+/// The bytes of a resource that was dumped: texels or elements.
+pub fn dumped<'r>(rendered: &'r Rendered, resource: &str) -> &'r [u8] {
+    let dump = rendered.dumps.iter().find(|dump| dump.resource == resource).unwrap_or_else(|| panic!("{resource} was not dumped"));
+    match &dump.data {
+        DumpData::Image { texels, .. } => texels,
+        DumpData::Buffer { bytes, .. } => bytes,
+    }
+}
+
+/// As numbers of 32 bits.
+pub fn words(bytes: &[u8]) -> impl Iterator<Item = u32> {
+    bytes.chunks_exact(4).map(|word| u32::from_ne_bytes([word[0], word[1], word[2], word[3]]))
 }
 
 /// A config without anything that bends the numbers: no shadows, no interleaving, no filter, no bound on the singularity.

@@ -10,6 +10,7 @@ mod frames;
 mod functions;
 mod graph;
 mod indirect;
+mod ism;
 #[path = "../gltf/make.rs"]
 #[allow(dead_code)] // The loader's tests use the rest.
 mod make;

@@ -46,8 +46,7 @@ const MOST_CLUSTERS: u32 = 6144;
 pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point_count: u32, collected: u32) -> Points {
     let table = &around.scene.triangle_table;
     let max_area = table.max_area(point_count, false);
-    // The host knows the sizes of triangles by classes alone.
-    let most = (1.1 * table.points(max_area, false)) as u32 + 1024;
+    let most = table.points(max_area, false) as u32 + 1024;
     let each = most.div_ceil(MOST_CLUSTERS).max(64);
     let clusters = most.div_ceil(each);
     let diagonal = around.scene.bounds.size().length();

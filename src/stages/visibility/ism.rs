@@ -39,7 +39,7 @@ shader_struct! {
 
 /// By how much radii grow where the config does not say: disks that cover a surface's area at random leave holes in it.
 const SINGLE_PIXEL_ENLARGE: f32 = 1.25;
-const SPLAT_ENLARGE: f32 = 1.5;
+const SPLAT_ENLARGE: f32 = 0.9;
 
 /// The maps of all VPLs, side by side in one image.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,0 +1,300 @@
+//! Imperfect shadow maps: what is in them, that they stay the same, what they take, and how far they are from exact visibility.
+
+use crate::common::*;
+use glam::{Affine3A, Vec2, Vec3};
+use manylight::config::{Builtin, Collect, Config, IsmRenderer, PointSet, SceneConfig, VisibilityMethod};
+use manylight::graph::Execution;
+use manylight::renderer::{Renderer, load_scene};
+use manylight::report::Memory;
+use manylight::scene::builder::Mesh;
+use manylight::scene::{Material, Scene};
+
+const RADIUS: f32 = 2.0;
+
+/// An icosahedron whose triangles are cut in four, five times over: 20,480, seen from inside.
+fn sphere(double_sided: bool) -> Scene {
+    let mut triangles = icosahedron();
+    for _ in 0..5 {
+        let cut = |[a, b, c]: [Vec3; 3]| {
+            let [d, e, f] = [(a + b).normalize(), (b + c).normalize(), (c + a).normalize()];
+            [[a, d, f], [d, b, e], [f, e, c], [d, e, f]]
+        };
+        triangles = triangles.into_iter().flat_map(cut).collect();
+    }
+    let mut mesh = Mesh::default();
+    for corners in triangles {
+        let [a, b, c] = corners.map(|place| mesh.vertex(RADIUS * place, -place, Vec2::ZERO));
+        mesh.indices.extend(if double_sided { [a, b, c] } else { [a, c, b] });
+    }
+    let mut scene = Scene { name: "sphere".into(), ..Scene::default() };
+    let material = scene.add_material(Material { double_sided, ..matte([0.5; 3]) });
+    scene.add_mesh(&mesh, material, &[Affine3A::IDENTITY]);
+    scene
+}
+
+/// Unit corners, counter-clockwise from outside: all triples of corners that are neighbours.
+fn icosahedron() -> Vec<[Vec3; 3]> {
+    let golden = 0.5 * (1.0 + 5f32.sqrt());
+    let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+    let corners: Vec<Vec3> = signs
+        .into_iter()
+        .flat_map(|(a, b)| [Vec3::new(0.0, a, b * golden), Vec3::new(a, b * golden, 0.0), Vec3::new(b * golden, 0.0, a)])
+        .collect();
+    let near = |i: usize, k: usize| corners[i].distance(corners[k]) < 2.1;
+    let mut triangles = Vec::new();
+    for (i, k, l) in (0..12).flat_map(|i| (0..i).flat_map(move |k| (0..k).map(move |l| (i, k, l)))) {
+        if near(i, k) && near(k, l) && near(l, i) {
+            let [a, b, c] = [i, k, l].map(|i| corners[i].normalize());
+            triangles.push(if (b - a).cross(c - a).dot(a) > 0.0 { [a, b, c] } else { [a, c, b] });
+        }
+    }
+    triangles
+}
+
+fn maps_of_points(config: &mut Config) {
+    config.visibility.method = VisibilityMethod::ImperfectShadowMaps;
+}
+
+#[test]
+fn the_map_of_a_sphere_has_no_hole_and_the_spheres_radius() {
+    for double_sided in [false, true] {
+        for points in [PointSet::Uniform, PointSet::Adaptive] {
+            let mut scene = sphere(double_sided);
+            // One VPL in the middle, on a small square that faces up.
+            let corners = [[-0.05, 0.05], [0.05, 0.05], [0.05, -0.05], [-0.05, -0.05]].map(|[x, z]| Vec3::new(x, 0.0, z));
+            add_quad(&mut scene, corners, matte([0.8; 3]));
+            let light = spot(0.25 * Vec3::Y, Vec3::NEG_Y, [1.0; 3], 3.0, 5.0);
+            let mut config = plain([16, 16], Vec3::new(0.0, 0.5, 1.5), Vec3::ZERO, 60.0, light);
+            config.vpls.count = 1;
+            maps_of_points(&mut config);
+            config.visibility.points = points;
+            config.visibility.point_count = 80_000;
+            let mut renderer = renderer(scene);
+            let execution = Execution { dump: vec!["visibility/push-0".to_owned()], ..Execution::default() };
+            let rendered = renderer.render(&config, 0, false, &execution).unwrap();
+            let far = renderer.device_scene().bounds.size().length();
+            let map: Vec<f32> = words(dumped(&rendered, "visibility/maps")).map(f32::from_bits).collect();
+            let side = 64;
+            let (mut holes, mut worst) = (0, 0f32);
+            for (i, depth) in map.iter().enumerate() {
+                let p = (Vec2::new((i % side) as f32, (i / side) as f32) + 0.5) * (2.0 / side as f32) - 1.0;
+                // What is less than two degrees above the VPL's own surface casts no shadow.
+                if p.length() < 0.965 {
+                    holes += u32::from(*depth == 1.0);
+                    worst = worst.max((depth * far / RADIUS - 1.0).abs());
+                }
+            }
+            assert!(holes == 0 && worst < 0.03, "{points:?}, both sides {double_sided}: {holes} holes, {worst} off");
+            finish(renderer.gpu());
+        }
+    }
+}
+
+/// Built-in scenes, small, as they are lit by themselves.
+fn builtin(builtin: Builtin) -> (Scene, Config) {
+    let scene = SceneConfig { builtin: Some(builtin), triangles: 20_000, ..SceneConfig::default() };
+    let mut config = Config { scene: scene.clone(), ..Config::default() };
+    config.frame.size = [160, 90];
+    config.vpls.count = 256;
+    maps_of_points(&mut config);
+    config.visibility.point_count = 326_000 / 4;
+    (load_scene(&scene).unwrap().0, config)
+}
+
+#[test]
+fn bytes_repeat_whatever_the_points_and_the_renderer() {
+    let (scene, config) = builtin(Builtin::Atrium);
+    let mut renderer = renderer(scene);
+    for (points, collect, kind) in [
+        (PointSet::Uniform, Collect::Compute, IsmRenderer::SinglePixel),
+        (PointSet::Uniform, Collect::Tessellation, IsmRenderer::SinglePixel),
+        (PointSet::Adaptive, Collect::Compute, IsmRenderer::SinglePixel),
+        (PointSet::Uniform, Collect::Compute, IsmRenderer::Splat),
+    ] {
+        let mut config = config.clone();
+        (config.visibility.points, config.visibility.collect, config.visibility.renderer) = (points, collect, kind);
+        let pass = if kind == IsmRenderer::Splat { "visibility/splat-distances" } else { "visibility/push-0" };
+        let mut frame = |i| {
+            let execution = Execution { dump: vec![pass.to_owned()], ..Execution::default() };
+            let rendered = renderer.render(&config, i, true, &execution).unwrap();
+            let maps = dumped(&rendered, "visibility/maps").to_vec();
+            let picture = rendered.picture.unwrap();
+            (maps, picture.image, picture.irradiance.values)
+        };
+        let first = frame(0);
+        // A still scene: all ten pictures are the same.
+        for i in 1..10 {
+            assert!(frame(i) == first, "{points:?}, {collect:?}, {kind:?}: frame {i} differs");
+        }
+    }
+    finish(renderer.gpu());
+}
+
+/// relMSE of the indirect layer against exact visibility of the same VPLs, and the ratio of the mean luminances, over seeds.
+fn against_rays(renderer: &mut Renderer, config: &Config, truth: &[[f32; 4]], seeds: u32) -> (f64, f64) {
+    let (mut relmse, mut energy) = (0.0, 0.0);
+    for seed in 0..seeds {
+        let mut config = config.clone();
+        config.frame.seed = seed;
+        let test = indirect(renderer, &config);
+        let channels = || test.iter().zip(truth).flat_map(|(t, r)| (0..3).map(|c| (f64::from(t[c]), f64::from(r[c]))));
+        relmse += channels().map(|(t, r)| (t - r).powi(2) / (r * r + 0.01)).sum::<f64>() / (3 * test.len()) as f64;
+        let luminance = |p: &[[f32; 4]]| p.iter().map(|p| f64::from(0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2])).sum::<f64>();
+        energy += luminance(&test) / luminance(truth);
+    }
+    (relmse / f64::from(seeds), energy / f64::from(seeds))
+}
+
+fn indirect(renderer: &mut Renderer, config: &Config) -> Vec<[f32; 4]> {
+    let picture = picture(renderer, config);
+    (0..(picture.size[0] * picture.size[1]) as usize).map(|i| picture.indirect.at(i)).collect()
+}
+
+fn truth(renderer: &mut Renderer, config: &Config) -> Vec<[f32; 4]> {
+    let mut config = config.clone();
+    config.visibility.method = VisibilityMethod::RayTraced;
+    indirect(renderer, &config)
+}
+
+#[test]
+fn light_is_as_much_as_with_exact_visibility() {
+    for scene in [Builtin::Cornell, Builtin::Atrium] {
+        let (host, config) = builtin(scene);
+        let mut renderer = traced(host);
+        let truth = truth(&mut renderer, &config);
+        let mut none = config.clone();
+        none.visibility.method = VisibilityMethod::None;
+        let (unshadowed, without) = against_rays(&mut renderer, &none, &truth, 1);
+        let methods = [
+            (PointSet::Uniform, IsmRenderer::SinglePixel, 0.1),
+            (PointSet::Adaptive, IsmRenderer::SinglePixel, 0.1),
+            (PointSet::Uniform, IsmRenderer::Splat, 0.2),
+        ];
+        for (points, kind, tolerance) in methods {
+            let mut config = config.clone();
+            (config.visibility.points, config.visibility.renderer) = (points, kind);
+            let (relmse, energy) = against_rays(&mut renderer, &config, &truth, 2);
+            println!(
+                "{scene:?} {points:?} {kind:?}: relmse {relmse:.5}, energy {energy:.4}; without shadows {unshadowed:.5}, {without:.4}"
+            );
+            assert!((energy - 1.0).abs() < tolerance, "{scene:?} {points:?} {kind:?}: energy {energy}");
+            assert!(relmse < 0.7 * unshadowed, "{scene:?} {points:?} {kind:?}: {relmse}, without shadows {unshadowed}");
+        }
+        finish(renderer.gpu());
+    }
+}
+
+#[test]
+fn more_points_and_then_larger_maps_are_nearer_to_exact_visibility() {
+    let (host, mut config) = builtin(Builtin::Cornell);
+    config.vpls.count = 64;
+    let mut renderer = traced(host);
+    let truth = truth(&mut renderer, &config);
+    let base = 326_000 * 64 / 1024;
+    let mut errors = Vec::new();
+    for times in [1, 4, 16] {
+        config.visibility.point_count = base * times;
+        errors.push(against_rays(&mut renderer, &config, &truth, 3).0);
+    }
+    println!("points x1, x4, x16: {errors:?}");
+    assert!(errors[0] > errors[1] && errors[1] > errors[2], "points x1, x4, x16: {errors:?}");
+    // A map of four times as many texels needs as many more points: with fewer the points are what limits it.
+    config.visibility.point_count = base * 128;
+    let mut errors = Vec::new();
+    for size in [32, 64, 128] {
+        config.visibility.map_size = size;
+        errors.push(against_rays(&mut renderer, &config, &truth, 3).0);
+    }
+    println!("maps of 32, 64, 128: {errors:?}");
+    assert!(errors[0] > errors[1] && errors[1] > errors[2], "maps of 32, 64, 128: {errors:?}");
+    finish(renderer.gpu());
+}
+
+/// The thesis's figure 5.5: VPLs on a wall right behind a drape, in a room that is dark but for what leaks past it.
+fn drape() -> (Scene, Config) {
+    let mut scene = Scene { name: "drape".into(), ..Scene::default() };
+    let quad = |scene: &mut Scene, corners: [[f32; 3]; 4]| add_quad(scene, corners.map(Vec3::from_array), matte([0.7; 3]));
+    // Inwards: floor, ceiling, left, right, back and front.
+    quad(&mut scene, [[0.0, 0.0, 0.0], [0.0, 0.0, 6.0], [6.0, 0.0, 6.0], [6.0, 0.0, 0.0]]);
+    quad(&mut scene, [[0.0, 4.0, 0.0], [6.0, 4.0, 0.0], [6.0, 4.0, 6.0], [0.0, 4.0, 6.0]]);
+    quad(&mut scene, [[0.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 4.0, 6.0], [0.0, 0.0, 6.0]]);
+    quad(&mut scene, [[6.0, 0.0, 0.0], [6.0, 0.0, 6.0], [6.0, 4.0, 6.0], [6.0, 4.0, 0.0]]);
+    quad(&mut scene, [[0.0, 0.0, 0.0], [6.0, 0.0, 0.0], [6.0, 4.0, 0.0], [0.0, 4.0, 0.0]]);
+    quad(&mut scene, [[0.0, 0.0, 6.0], [0.0, 4.0, 6.0], [6.0, 4.0, 6.0], [6.0, 0.0, 6.0]]);
+    // The drape, 30 cm before the back wall, in folds; open below.
+    let mut mesh = Mesh::default();
+    let (across, down) = (48, 24);
+    let corner = |i: u32, j: u32| {
+        let (u, v) = (i as f32 / across as f32, j as f32 / down as f32);
+        Vec3::new(6.0 * u, 0.8 + 3.2 * v, 0.3 + 0.03 * (u * 60.0).sin())
+    };
+    for (i, j) in (0..across).flat_map(|i| (0..down).map(move |j| (i, j))) {
+        mesh.quad([corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)], [Vec2::ZERO; 4]);
+    }
+    let material = scene.add_material(Material { double_sided: true, ..matte([0.5; 3]) });
+    scene.add_mesh(&mesh, material, &[Affine3A::IDENTITY]);
+    // Along the wall, from the side.
+    let light = spot(Vec3::new(0.3, 2.6, 0.2), Vec3::new(1.0, -0.1, -0.07), [60.0; 3], 8.0, 20.0);
+    let mut config = plain([96, 64], Vec3::new(5.0, 2.0, 5.5), Vec3::new(2.0, 1.2, 0.0), 70.0, light);
+    config.vpls.count = 256;
+    config.rsm.size = [128, 128];
+    config.gather.min_distance = 0.3;
+    maps_of_points(&mut config);
+    config.visibility.point_count = 326_000 / 4;
+    (scene, config)
+}
+
+#[test]
+fn adaptive_points_hold_light_back_that_shines_from_right_behind_a_drape() {
+    let (host, mut config) = drape();
+    let mut renderer = traced(host);
+    let truth = truth(&mut renderer, &config);
+    let mut found = Vec::new();
+    // The same number of points, and with one map a point, of those drawn too.
+    for (points, collected) in [(PointSet::Uniform, None), (PointSet::Adaptive, None), (PointSet::Adaptive, Some(1))] {
+        (config.visibility.points, config.visibility.collected) = (points, collected);
+        let (relmse, energy) = against_rays(&mut renderer, &config, &truth, 3);
+        println!("{points:?} {collected:?}: relmse {relmse:.6}, energy {energy:.3}");
+        found.push((relmse, (energy - 1.0).abs()));
+    }
+    for adaptive in &found[1..] {
+        assert!(adaptive.0 < 0.5 * found[0].0 && adaptive.1 < 0.65 * found[0].1, "adaptive {adaptive:?}, uniform {:?}", found[0]);
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn a_full_partition_is_counted_told_of_and_drawn_by_nobody() {
+    let (host, mut config) = builtin(Builtin::Cornell);
+    let mut renderer = renderer(host);
+    config.visibility.capacity = Some(320);
+    let mut frame = || {
+        let execution = Execution { dump: vec!["visibility/push-0".to_owned()], ..Execution::default() };
+        renderer.render(&config, 0, false, &execution).unwrap()
+    };
+    let (first, second) = (frame(), frame());
+    let count = |name: &str| first.counts.iter().find(|(known, _)| known == name).unwrap().1;
+    assert!(count("visibility/dropped-points") > 0 && count("visibility/drawn-points") > 0);
+    assert_eq!(first.counts, second.counts);
+    assert_eq!(dumped(&first, "visibility/maps"), dumped(&second, "visibility/maps"));
+    let [warning] = first.warnings().try_into().unwrap();
+    assert!(warning.contains("visibility.capacity") && warning.contains(&count("visibility/dropped-points").to_string()), "{warning}");
+    finish(renderer.gpu());
+}
+
+#[test]
+fn the_maps_take_no_more_memory_than_the_thesiss() {
+    let (host, mut config) = builtin(Builtin::Cornell);
+    config.vpls.count = 1024;
+    config.visibility.point_count = 326_000;
+    let mut renderer = renderer(host);
+    for points in [PointSet::Uniform, PointSet::Adaptive] {
+        config.visibility.points = points;
+        let rendered = renderer.render(&config, 0, false, &Execution::default()).unwrap();
+        assert!(rendered.warnings().is_empty(), "{:?}", rendered.warnings());
+        let bytes = Memory::of(&rendered.memory).stages["visibility"];
+        println!("{points:?}: {bytes} bytes");
+        assert!(bytes <= 79 << 20, "{points:?}: {bytes} bytes");
+    }
+    finish(renderer.gpu());
+}
