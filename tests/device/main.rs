@@ -3,6 +3,7 @@
 mod animation;
 mod bvh;
 mod common;
+mod culling;
 mod direct;
 mod files;
 mod flicker;

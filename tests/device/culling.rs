@@ -1,0 +1,162 @@
+//! Culling in the gather leaves VPLs out that cannot shine on pixels, and never changes the picture.
+
+use crate::common::*;
+use glam::Vec3;
+use manylight::config::{Builtin, CameraConfig, Config, Culling, FilterKind, LightConfig, SceneConfig, VisibilityMethod};
+use manylight::graph::Execution;
+use manylight::renderer::{Plane, Renderer, load_scene};
+use manylight::scene::Scene;
+
+fn config(size: [u32; 2], position: [f32; 3], target: [f32; 3]) -> Config {
+    let mut config = Config {
+        camera: Some(CameraConfig { position: Some(position), target: Some(target), ..CameraConfig::default() }),
+        ..Config::default()
+    };
+    config.frame.size = size;
+    config.vpls.count = 1000;
+    config.filter.kind = FilterKind::None;
+    config
+}
+
+fn irradiance(renderer: &mut Renderer, config: &Config, culling: Culling) -> Plane {
+    let mut config = config.clone();
+    config.gather.culling = culling;
+    picture(renderer, &config).irradiance
+}
+
+/// Holds both ways of culling against none.
+fn same(renderer: &mut Renderer, config: &Config, what: &str) {
+    let all = irradiance(renderer, config, Culling::None);
+    let tiled = irradiance(renderer, config, Culling::Tiled);
+    assert!(all.values == tiled.values, "{what}: tiled culling changed the picture");
+    let clustered = irradiance(renderer, config, Culling::Clustered);
+    // With fewer sets than parts of a list, its VPLs come in another order; stored are halves.
+    let exact = config.gather.interleave >= 4;
+    for (i, (a, b)) in all.values.iter().zip(&clustered.values).enumerate() {
+        let same = if exact { a == b } else { (a - b).abs() <= 2e-3 * a.abs() };
+        assert!(same, "{what}: clustered culling made {b} of {a} in value {i}");
+    }
+}
+
+fn atrium() -> Scene {
+    load_scene(&SceneConfig { builtin: Some(Builtin::Atrium), triangles: 20_000, ..SceneConfig::default() }).unwrap().0
+}
+
+#[test]
+fn culling_never_changes_the_picture_whatever_the_view_and_the_block() {
+    let mut renderer = traced(atrium());
+    let views = [
+        ("along the court", [333, 187], [-8.2, 1.9, -6.2], [0.0, 2.2, -5.4]),
+        ("near a wall", [161, 90], [-5.7, 1.9, -5.8], [-5.0, 0.5, -7.0]),
+        ("from outside", [130, 129], [40.0, 30.0, 45.0], [0.0, 2.0, 0.0]),
+        ("at the sky", [64, 64], [0.0, 2.0, 0.0], [0.1, 50.0, 0.2]),
+    ];
+    for (name, size, position, target) in views {
+        for interleave in [1, 2, 4, 8] {
+            let mut config = config(size, position, target);
+            config.gather.interleave = interleave;
+            same(&mut renderer, &config, &format!("{name}, {interleave}x{interleave}"));
+        }
+    }
+    for method in [VisibilityMethod::RayTraced, VisibilityMethod::ImperfectShadowMaps] {
+        let mut config = config([150, 83], [-8.2, 1.9, -6.2], [0.0, 2.2, -5.4]);
+        config.visibility.method = method;
+        config.visibility.point_count = 50_000;
+        for interleave in [2, 4] {
+            config.gather.interleave = interleave;
+            same(&mut renderer, &config, &format!("{method:?}, {interleave}x{interleave}"));
+        }
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn culling_never_changes_the_picture_whatever_the_count_and_the_lights() {
+    let mut renderer = renderer(atrium());
+    for count in [1, 17, 1000, 4096] {
+        let mut config = config([140, 100], [-2.4, 1.9, -2.2], [6.5, 3.4, 1.0]);
+        config.vpls.count = count;
+        same(&mut renderer, &config, &format!("{count} VPLs"));
+    }
+    let mut config = config([140, 100], [-2.4, 1.9, -2.2], [6.5, 3.4, 1.0]);
+    config.light = vec![
+        directional(Vec3::new(0.2, -1.0, 0.3), [20.0; 3]),
+        spot(Vec3::new(0.0, 4.0, 0.0), Vec3::new(1.0, -0.5, 0.2), [80.0, 20.0, 10.0], 10.0, 30.0),
+        LightConfig::Point { position: [3.0, 3.0, 1.0], intensity: [10.0; 3], keyframes: Vec::new() },
+    ];
+    same(&mut renderer, &config, "three lights");
+    finish(renderer.gpu());
+}
+
+/// Numbers in the parts of the used clusters' lists, and how many of these clusters there are.
+fn lists(renderer: &mut Renderer, config: &Config) -> (Vec<u32>, usize) {
+    let mut config = config.clone();
+    config.gather.culling = Culling::Clustered;
+    let execution = Execution { dump: vec!["gather/light-lists".to_owned()], ..Execution::default() };
+    let rendered = renderer.render(&config, 0, false, &execution).unwrap();
+    let lists: Vec<u32> = words(dumped(&rendered, "gather/lists")).collect();
+    let used = rendered.counts.iter().find(|(name, _)| name == "gather/used-clusters").unwrap().1 as usize;
+    let (parts, stride) = (16, 1 + config.vpls.count.div_ceil(16) as usize);
+    ((0..used * parts).map(|part| lists[part * stride]).collect(), used)
+}
+
+#[test]
+fn lists_are_short_where_vpls_face_away_and_a_full_one_spoils_no_neighbour() {
+    // A floor that the sun lights from above: its VPLs all face what is above it, and every list is full.
+    let mut floor = Scene::default();
+    add_quad(&mut floor, [[-4.0, 4.0], [4.0, 4.0], [4.0, -4.0], [-4.0, -4.0]].map(|[x, z]| Vec3::new(x, 0.0, z)), matte([0.7; 3]));
+    let corners = [[-4.0, 0.0], [4.0, 0.0], [4.0, 2.0], [-4.0, 2.0]].map(|[x, y]| Vec3::new(x, y, -4.0));
+    add_quad(&mut floor, corners, matte([0.7; 3]));
+    let mut full = renderer(floor);
+    let mut open = config([300, 200], [0.0, 1.5, 3.5], [0.0, 0.7, 0.0]);
+    open.light = vec![directional(Vec3::NEG_Y, [5.0; 3])];
+    open.vpls.count = 1024;
+    let (numbers, used) = lists(&mut full, &open);
+    assert!(used > 1 && numbers.iter().all(|number| *number == 64), "{used} clusters: {numbers:?}");
+    same(&mut full, &open, "full lists");
+    finish(full.gpu());
+
+    let mut renderer = renderer(atrium());
+    let config = config([333, 187], [-8.2, 1.9, -6.2], [0.0, 2.2, -5.4]);
+    let (numbers, used) = lists(&mut renderer, &config);
+    let listed = numbers.iter().sum::<u32>() as usize;
+    println!("{used} clusters, {listed} entries of {}", used * 1000);
+    assert!(listed > 0 && listed < used * 800, "{listed} of {}", used * 1000);
+    finish(renderer.gpu());
+}
+
+#[test]
+fn without_interleaving_every_pixel_gathers_every_vpl() {
+    let mut renderer = renderer(atrium());
+    let mut config = config([48, 27], [-8.2, 1.9, -6.2], [0.0, 2.2, -5.4]);
+    config.gather.interleave = 1;
+    config.vpls.count = 300;
+    for culling in [Culling::None, Culling::Tiled, Culling::Clustered] {
+        config.gather.culling = culling;
+        let execution = Execution { dump: vec!["vpls/regular".to_owned()], ..Execution::default() };
+        let rendered = renderer.render(&config, 0, true, &execution).unwrap();
+        let floats = |name: &str| -> Vec<f32> { words(dumped(&rendered, name)).map(f32::from_bits).collect() };
+        let (points, intensities) = (floats("vpls/points"), floats("vpls/intensities"));
+        let picture = rendered.picture.unwrap();
+        let (positions, normals) = (picture.positions(), picture.normals());
+        let mut checked = 0;
+        for pixel in (0..positions.len()).step_by(31) {
+            if picture.depth.values[pixel] == 0.0 {
+                continue;
+            }
+            let mut sum = 0.0;
+            for (point, intensity) in points.chunks_exact(4).zip(intensities.chunks_exact(3)) {
+                let way = Vec3::from_slice(point) - positions[pixel];
+                let facing = manylight::scene::pack::octahedral_snorm16_inverse(point[3].to_bits());
+                let cosines = normals[pixel].dot(way).max(0.0) * -facing.dot(way).min(0.0);
+                let squared = way.length_squared();
+                sum += intensity[0] * cosines / (squared * squared.max(config.gather.min_distance.powi(2))).max(1e-20);
+            }
+            let found = picture.irradiance.at(pixel)[0];
+            assert!((found - sum).abs() <= 2e-3 * sum + 1e-6, "{culling:?}, pixel {pixel}: {found} is not {sum}");
+            checked += usize::from(sum > 0.0);
+        }
+        assert!(checked > 10, "{checked} pixels have light");
+    }
+    finish(renderer.gpu());
+}
