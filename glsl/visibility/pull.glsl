@@ -1,18 +1,20 @@
 // The pull phase (Linke 2016, section 3.3.2): a texel of the coarser level is the mean of those of the four below it that lie in the
 // depth interval of the frontmost. Whoever includes it defines
 //     bool finer_texel(ivec2 texel, out Pulled p);
-// a texel of the finer level, if there is anything in it.
+//     void put(ivec2 texel, bool there, Pulled p);
+// a texel of the finer level, if there is anything in it, and what becomes of one of the coarser, and SPREAD: how much of the square of the
+// distances between points adds to their radius's.
 #include "visibility/pulled.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(scalar, push_constant) uniform Params {
-    ivec2 size; // of the coarser level
+    ivec2 size;  // of the coarser level
+    float texel; // its width, in texels of the finest
 } params;
 
-layout(rg32ui) writeonly uniform uimage2D coarser;
-
 bool finer_texel(ivec2 texel, out Pulled p);
+void put(ivec2 texel, bool there, Pulled p);
 
 void main() {
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
@@ -26,8 +28,8 @@ void main() {
         limit = nearer ? from[i].depth + from[i].extent : limit;
         front = nearer ? from[i].depth : front;
     }
-    Pulled sum = Pulled(0.0, 0.0, 0.0, vec2(0.0));
-    float count = 0.0;
+    Pulled sum = Pulled(0.0, 0.0, 0.0, vec2(0.0), vec2(0.0));
+    float count = 0.0, spread = 0.0;
     for (int i = 0; i < 4; i++) {
         float weight = there[i] && from[i].depth <= limit ? 1.0 : 0.0;
         // In texels of the coarser level, from its centre.
@@ -36,12 +38,16 @@ void main() {
         sum.radius += weight * from[i].radius;
         sum.extent = max(sum.extent, weight * (from[i].depth + from[i].extent));
         sum.offset += weight * place;
+        spread += weight * dot(place, place);
+        sum.tilt += weight * from[i].tilt;
         count += weight;
     }
-    uvec2 words = uvec2(EMPTY);
-    if (count > 0.0) {
-        sum.depth /= count;
-        words = pack_pulled(Pulled(sum.depth, sum.radius / count, max(sum.extent - sum.depth, 0.0), sum.offset / count));
-    }
-    imageStore(coarser, texel, uvec4(words, 0u, 0u));
+    float over = 1.0 / max(count, 1.0);
+    sum.depth *= over;
+    sum.radius *= over;
+    sum.offset *= over;
+    // What lies apart reaches farther together, or there were holes between them.
+    spread = max(spread * over - dot(sum.offset, sum.offset), 0.0) * SPREAD * params.texel * params.texel;
+    sum.radius = sqrt(sum.radius * sum.radius + spread);
+    put(texel, count > 0.0, Pulled(sum.depth, sum.radius, max(sum.extent - sum.depth, 0.0), sum.offset, sum.tilt * over));
 }

@@ -6,6 +6,7 @@ struct Pulled {
     float radius; // texels of the finest level
     float extent; // of the depth interval, over `far`
     vec2 offset;  // of the place from the texel's centre, in texels of its level
+    vec2 tilt;    // where normals are kept
 };
 
 // Where a texel's place may lie, in texels from its centre.
@@ -17,5 +18,6 @@ uvec2 pack_pulled(Pulled p) {
 }
 
 Pulled unpack_pulled(uvec2 words) {
-    return Pulled(pixel_depth(words.x), pixel_radius(words.x), unpackHalf2x16(words.y >> 16).x, unpackSnorm4x8(words.y & 0xffffu).xy * FARTHEST_OFFSET);
+    return Pulled(pixel_depth(words.x), pixel_radius(words.x), unpackHalf2x16(words.y >> 16).x, unpackSnorm4x8(words.y & 0xffffu).xy * FARTHEST_OFFSET,
+                  vec2(0.0));
 }

@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // A push from one coarse level to the next finer one.
-#include "visibility/push.glsl"
+#include "visibility/push-disk.glsl"
 
 layout(rg32ui) uniform uimage2D finer;
 

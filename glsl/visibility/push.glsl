@@ -1,6 +1,10 @@
 // The push phase (Linke 2016, section 3.3.2): an invocation fills the four texels of the finer level that lie around a corner of the
 // coarser level's, since they are interpolated from the same four. A texel is filled where it is empty or hidden by what is
 // interpolated. Whoever includes it defines
+//     bool coarser_texel(ivec2 texel, out Pulled p);
+//     bool reaches(Pulled p, vec2 way, ivec2 texel, out float depth);
+// a texel of the coarser level, and whether what is in it reaches a texel of the finer level, `way` from it in that level's texels, and how far off
+// it is there;
 //     bool finer_texel(ivec2 texel, out float depth);
 //     void fill_texel(ivec2 texel, Pulled p);
 //     void keep_texel(ivec2 texel, bool there, float depth);
@@ -15,8 +19,8 @@ layout(scalar, push_constant) uniform Params {
     float scale; // of its texels in one of the finest level's
 } params;
 
-layout(rg32ui) readonly uniform uimage2D coarser;
-
+bool coarser_texel(ivec2 texel, out Pulled p);
+bool reaches(Pulled p, vec2 way, ivec2 texel, out float depth);
 bool finer_texel(ivec2 texel, out float depth);
 void fill_texel(ivec2 texel, Pulled p);
 void keep_texel(ivec2 texel, bool there, float depth);
@@ -29,9 +33,7 @@ void main() {
     for (int i = 0; i < 4; i++) {
         ivec2 texel = corner - 1 + ivec2(i & 1, i >> 1);
         bool inside = all(greaterThanEqual(texel, ivec2(0))) && all(lessThan(2 * texel, params.size));
-        uvec2 words = imageLoad(coarser, clamp(texel, ivec2(0), params.size / 2 - 1)).rg;
-        from[i] = unpack_pulled(words);
-        there[i] = inside && words.x != EMPTY;
+        there[i] = coarser_texel(clamp(texel, ivec2(0), params.size / 2 - 1), from[i]) && inside;
         // From the corner, in texels of the finer level.
         from[i].offset = 2.0 * (from[i].offset + vec2(i & 1, i >> 1) - 0.5);
         from[i].radius *= params.scale;
@@ -41,26 +43,27 @@ void main() {
     for (int o = 0; o < 4; o++) {
         ivec2 texel = 2 * corner - 1 + ivec2(o & 1, o >> 1);
         vec2 center = vec2(o & 1, o >> 1) - 0.5;
-        bool reaches[4];
+        bool reached[4];
+        float depths[4];
         float front = 2.0, limit = 2.0;
         for (int i = 0; i < 4; i++) {
             bool crosses = (seam.x && ((i ^ o) & 1) != 0) || (seam.y && ((i ^ o) & 2) != 0);
-            vec2 way = from[i].offset - center;
-            reaches[i] = there[i] && !crosses && dot(way, way) <= from[i].radius * from[i].radius;
-            bool nearer = reaches[i] && from[i].depth < front;
-            limit = nearer ? from[i].depth + from[i].extent : limit;
-            front = nearer ? from[i].depth : front;
+            reached[i] = reaches(from[i], center - from[i].offset, texel, depths[i]) && there[i] && !crosses;
+            bool nearer = reached[i] && depths[i] < front;
+            limit = nearer ? depths[i] + from[i].extent : limit;
+            front = nearer ? depths[i] : front;
         }
-        Pulled sum = Pulled(0.0, 0.0, 0.0, vec2(0.0));
+        Pulled sum = Pulled(0.0, 0.0, 0.0, vec2(0.0), vec2(0.0));
         float weights = 0.0;
         for (int i = 0; i < 4; i++) {
             // Bilinear: 9, 3, 3 and 1 sixteenths.
             float weight = (((i ^ o) & 1) == 0 ? 0.75 : 0.25) * (((i ^ o) & 2) == 0 ? 0.75 : 0.25);
-            weight = reaches[i] && from[i].depth <= limit ? weight : 0.0;
-            sum.depth += weight * from[i].depth;
+            weight = reached[i] && depths[i] <= limit ? weight : 0.0;
+            sum.depth += weight * depths[i];
             sum.radius += weight * from[i].radius;
-            sum.extent = weight > 0.0 ? max(sum.extent, from[i].depth + from[i].extent) : sum.extent;
+            sum.extent = weight > 0.0 ? max(sum.extent, depths[i] + from[i].extent) : sum.extent;
             sum.offset += weight * from[i].offset;
+            sum.tilt += weight * from[i].tilt;
             weights += weight;
         }
         if (all(greaterThanEqual(texel, ivec2(0))) && all(lessThan(texel, params.size))) {
@@ -68,7 +71,8 @@ void main() {
             bool kept = finer_texel(texel, depth);
             if (weights > 0.0 && (!kept || depth > sum.extent)) {
                 sum.depth /= weights;
-                fill_texel(texel, Pulled(sum.depth, sum.radius / (weights * params.scale), max(sum.extent - sum.depth, 0.0), sum.offset / weights - center));
+                fill_texel(texel, Pulled(sum.depth, sum.radius / (weights * params.scale), max(sum.extent - sum.depth, 0.0),
+                                         sum.offset / weights - center, sum.tilt / weights));
             } else {
                 keep_texel(texel, kept, depth);
             }

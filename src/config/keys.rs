@@ -248,8 +248,8 @@ fn list() -> Vec<KeyInfo> {
         absent(
             "visibility.enlarge",
             above(0.0, 16.0),
-            "1.25, 0.9 for splats",
-            "Multiplies the points' radius: at random, they leave holes",
+            "1, 1.25 if adaptive or with normals, 0.9 for splats",
+            "Multiplies the points' radius",
         ),
         key("visibility.normals", Flag, "A point's normal limits its size"),
         key("visibility.bias", from(0.0, 64.0), "How far behind a map's surface is still lit, in units of what the map resolves there"),

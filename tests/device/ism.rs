@@ -90,6 +90,54 @@ fn the_map_of_a_sphere_has_no_hole_and_the_spheres_radius() {
     }
 }
 
+/// Mean relative error of the distances in a VPL's map of a plane that runs away from it, and the share of its texels that are empty.
+fn slanted(normals: bool) -> (f32, f32) {
+    let mut scene = Scene::default();
+    // From low over the VPL on the left, up and away to the right.
+    let corners = [[-1.0, 0.4, 4.0], [-1.0, 0.4, -4.0], [6.0, 3.9, -4.0], [6.0, 3.9, 4.0]].map(Vec3::from_array);
+    add_quad(&mut scene, corners, Material { double_sided: true, ..matte([0.5; 3]) });
+    let small = [[-0.05, 0.05], [0.05, 0.05], [0.05, -0.05], [-0.05, -0.05]].map(|[x, z]| Vec3::new(x, 0.0, z));
+    add_quad(&mut scene, small, matte([0.8; 3]));
+    let light = spot(0.25 * Vec3::Y, Vec3::NEG_Y, [1.0; 3], 3.0, 5.0);
+    let mut config = plain([16, 16], Vec3::new(0.0, 0.5, 1.5), Vec3::ZERO, 60.0, light);
+    config.vpls.count = 1;
+    maps_of_points(&mut config);
+    config.visibility.point_count = 20_000;
+    config.visibility.normals = normals;
+    let mut renderer = renderer(scene);
+    let execution = Execution { dump: vec!["visibility/push-0".to_owned()], ..Execution::default() };
+    let rendered = renderer.render(&config, 0, false, &execution).unwrap();
+    let far = renderer.device_scene().bounds.size().length();
+    let plane = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+    let (mut errors, mut holes) = (Vec::new(), 0);
+    for (i, depth) in words(dumped(&rendered, "visibility/maps")).map(f32::from_bits).enumerate() {
+        let p = (Vec2::new((i % 64) as f32, (i / 64) as f32) + 0.5) * (2.0 / 64.0) - 1.0;
+        // The axes of the VPL's space, whose normal is +Y: `hemisphere` of glsl/lib/paraboloid.glsl.
+        let w = Vec3::new(2.0 * p.x, 1.0 - p.length_squared(), -2.0 * p.y) / (1.0 + p.length_squared());
+        let d = corners[0].dot(plane) / w.dot(plane);
+        let at = w * d;
+        // Well inside of the plane's edges.
+        if d > 0.0 && at.x > -0.8 && at.x < 5.0 && at.z.abs() < 3.2 && p.length() < 0.95 {
+            if depth == 1.0 {
+                holes += 1;
+            } else {
+                errors.push((depth * far / d - 1.0).abs());
+            }
+        }
+    }
+    assert!(errors.len() > 500, "{} texels of the plane", errors.len());
+    finish(renderer.gpu());
+    (errors.iter().sum::<f32>() / errors.len() as f32, holes as f32 / (holes + errors.len()) as f32)
+}
+
+#[test]
+fn where_normals_are_kept_a_slanted_planes_map_runs_as_the_plane() {
+    let (without, _) = slanted(false);
+    let (with, holes) = slanted(true);
+    println!("off by {without} without and {with} with normals, {holes} of it holes");
+    assert!(with < 0.001 && with < 0.1 * without && holes < 0.03, "off by {without} without, {with} with normals, {holes} of it holes");
+}
+
 /// Built-in scenes, small, as they are lit by themselves.
 fn builtin(builtin: Builtin) -> (Scene, Config) {
     let scene = SceneConfig { builtin: Some(builtin), triangles: 20_000, ..SceneConfig::default() };
@@ -113,6 +161,8 @@ fn bytes_repeat_whatever_the_points_and_the_renderer() {
     ] {
         let mut config = config.clone();
         (config.visibility.points, config.visibility.collect, config.visibility.renderer) = (points, collect, kind);
+        // Ties between points' normals are where their order could show.
+        config.visibility.normals = points == PointSet::Adaptive;
         let pass = if kind == IsmRenderer::Splat { "visibility/splat-distances" } else { "visibility/push-0" };
         let mut frame = |i| {
             let execution = Execution { dump: vec![pass.to_owned()], ..Execution::default() };

@@ -5,7 +5,7 @@ use super::points::{self, Points, PointsParams};
 use super::{Surroundings, Visibility, VisibilityConfig, adaptive, pull_push};
 use crate::config::{IsmRenderer, PointSet};
 use crate::gpu::Format;
-use crate::graph::{Graph, Image};
+use crate::graph::{ComputePass, Graph, Image};
 use crate::shader_struct;
 use crate::stages::vpls::Vpls;
 
@@ -37,8 +37,10 @@ shader_struct! {
     }
 }
 
-/// By how much radii grow where the config does not say: disks that cover a surface's area at random leave holes in it.
-const SINGLE_PIXEL_ENLARGE: f32 = 1.25;
+/// By how much radii grow where the config does not say. The pull phase closes the holes that disks of a surface's area leave in it; it
+/// closes fewer where points are few or small, and where normals are kept.
+const SINGLE_PIXEL_ENLARGE: f32 = 1.0;
+const ADAPTIVE_ENLARGE: f32 = 1.25;
 const SPLAT_ENLARGE: f32 = 0.9;
 
 /// The maps of all VPLs, side by side in one image.
@@ -107,49 +109,62 @@ fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &V
     let [columns, rows] = layout(vpls.count);
     let size = [columns * config.map_size, rows * config.map_size];
     let target = g.image("visibility/single-pixels", Format::R32Uint, size);
-    g.compute("visibility/clear").writes("target", target).params(&ClearParams { size: size.map(|n| n as i32) }).dispatch([
-        size[0].div_ceil(4),
-        size[1],
-        1,
-    ]);
-    draw_single_pixels(g, around, vpls, &points, target, columns, config);
-    pull_push::fill(g, target, config)
+    clear(g, "visibility/clear", target);
+    let drawn = Drawing { around, vpls, points, columns, config };
+    let counts = [g.count("visibility/dropped-points"), g.count("visibility/drawn-points")];
+    let pass = g.compute("visibility/single-pixel").updates("target", target).updates("dropped", counts[0]).updates("drawn", counts[1]);
+    drawn.dispatch(pass);
+    let tilts = config.normals.then(|| {
+        let tilts = g.image("visibility/tilts", Format::R32Uint, size);
+        clear(g, "visibility/clear-tilts", tilts);
+        drawn.dispatch(g.compute("visibility/single-pixel-normals").reads("target", target).updates("tilts", tilts));
+        tilts
+    });
+    pull_push::fill(g, target, tilts, config)
 }
 
-fn draw_single_pixels(
-    g: &mut Graph,
-    around: Surroundings<'_>,
-    vpls: &Vpls,
-    points: &Points,
-    target: Image,
+fn clear(g: &mut Graph, name: &'static str, target: Image) {
+    let params = ClearParams { size: target.size.map(|n| n as i32) };
+    g.compute(name).shader("visibility/clear").writes("target", target).params(&params).dispatch([
+        target.size[0].div_ceil(4),
+        target.size[1],
+        1,
+    ]);
+}
+
+/// What passes over all points have in common.
+struct Drawing<'f> {
+    around: Surroundings<'f>,
+    vpls: &'f Vpls,
+    points: Points,
     columns: u32,
-    config: &VisibilityConfig,
-) {
-    let own = config.points == PointSet::Adaptive;
-    let diagonal = around.scene.bounds.size().length();
-    let dropped = g.count("visibility/dropped-points");
-    let drawn = g.count("visibility/drawn-points");
-    g.compute("visibility/single-pixel")
-        .reads("points", points.points)
-        .reads("fill", points.fill)
-        .reads("vpls", vpls.points)
-        .updates("target", target)
-        .updates("dropped", dropped)
-        .updates("drawn", drawn)
-        .constant("MAP_SIZE", config.map_size)
-        .constant("DISTORTION", config.distortion)
-        .params(&SinglePixelParams {
-            count: vpls.count,
-            shares: if own { 1 } else { vpls.count },
-            capacity: points.capacity,
-            considered: if own { 1 } else { considered(config, vpls.count) },
-            collected: if own { 1 } else { collected(config, vpls.count) },
-            columns,
-            far: diagonal,
-            diagonal,
-            enlarge: config.enlarge.unwrap_or(SINGLE_PIXEL_ENLARGE),
-        })
-        .dispatch_groups([points.partitions, 1, 1]);
+    config: &'f VisibilityConfig,
+}
+
+impl Drawing<'_> {
+    fn dispatch(&self, pass: ComputePass<'_>) {
+        let Self { around, vpls, points, columns, config } = self;
+        let own = config.points == PointSet::Adaptive;
+        let diagonal = around.scene.bounds.size().length();
+        pass.reads("points", points.points)
+            .reads("fill", points.fill)
+            .reads("vpls", vpls.points)
+            .constant("MAP_SIZE", config.map_size)
+            .constant("DISTORTION", config.distortion)
+            .constant("ROUND", !config.normals)
+            .params(&SinglePixelParams {
+                count: vpls.count,
+                shares: if own { 1 } else { vpls.count },
+                capacity: points.capacity,
+                considered: if own { 1 } else { considered(config, vpls.count) },
+                collected: if own { 1 } else { collected(config, vpls.count) },
+                columns: *columns,
+                far: diagonal,
+                diagonal,
+                enlarge: config.enlarge.unwrap_or(if own || config.normals { ADAPTIVE_ENLARGE } else { SINGLE_PIXEL_ENLARGE }),
+            })
+            .dispatch_groups([points.partitions, 1, 1]);
+    }
 }
 
 /// Points as squares of their size, straight from the tessellator (section 4.4.2).

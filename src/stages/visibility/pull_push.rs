@@ -9,6 +9,8 @@ use crate::shader_struct;
 shader_struct! {
     struct PullParams {
         size: [i32; 2],
+        /// Of the coarser level's texels, in those of the finest.
+        texel: f32,
     }
 
     struct PushParams {
@@ -40,33 +42,45 @@ const PUSH: [&str; 8] = [
     "visibility/push-7",
 ];
 
-/// Fills the holes of maps of single pixels; passes are named by the level that they write.
-pub(super) fn fill(g: &mut Graph, pixels: Image, config: &VisibilityConfig) -> Image {
+/// Fills the holes of maps of single pixels; passes are named by the level that they write. `tilts` are there where normals are kept.
+pub(super) fn fill(g: &mut Graph, pixels: Image, tilts: Option<Image>, config: &VisibilityConfig) -> Image {
     // The coarsest level has one texel a map.
     let levels = config.map_size.ilog2() as usize;
     let size = |level: usize| pixels.size.map(|n| n >> level);
     let signed = |level: usize| size(level).map(|n| n as i32);
-    let pulled: Vec<Image> =
-        (1..=levels).map(|level| g.image(&format!("visibility/pulled-{level}"), Format::Rg32Uint, size(level))).collect();
+    let (format, shaders) = match tilts {
+        None => (Format::Rg32Uint, ["visibility/pull-first", "visibility/pull", "visibility/push", "visibility/push-last"]),
+        Some(_) => (
+            Format::Rgba32Uint,
+            ["visibility/pull-first-normals", "visibility/pull-normals", "visibility/push-normals", "visibility/push-last-normals"],
+        ),
+    };
+    let [pull_first, pull, push, push_last] = shaders;
+    let pulled: Vec<Image> = (1..=levels).map(|level| g.image(&format!("visibility/pulled-{level}"), format, size(level))).collect();
     for level in 1..=levels {
-        let pass = g.compute(PULL[level - 1]);
-        let pass = if level == 1 {
-            pass.shader("visibility/pull-first")
-                .reads("finer", pixels)
-                .constant("MAP_SIZE", config.map_size)
-                .constant("DISTORTION", config.distortion)
+        let mut pass = g.compute(PULL[level - 1]);
+        pass = if level == 1 {
+            let first = pass.shader(pull_first).reads("finer", pixels);
+            first.constant("MAP_SIZE", config.map_size).constant("DISTORTION", config.distortion)
         } else {
-            pass.shader("visibility/pull").reads("finer", pulled[level - 2])
+            pass.shader(pull).reads("finer", pulled[level - 2])
         };
-        pass.writes("coarser", pulled[level - 1]).params(&PullParams { size: signed(level) }).dispatch([size(level)[0], size(level)[1], 1]);
+        if let (1, Some(tilts)) = (level, tilts) {
+            pass = pass.reads("tilts", tilts);
+        }
+        pass.writes("coarser", pulled[level - 1]).params(&PullParams { size: signed(level), texel: (1u32 << level) as f32 }).dispatch([
+            size(level)[0],
+            size(level)[1],
+            1,
+        ]);
     }
     let maps = g.image("visibility/maps", Format::R32Float, pixels.size);
     for level in (0..levels).rev() {
         let pass = g.compute(PUSH[level]);
         let pass = if level == 0 {
-            pass.shader("visibility/push-last").reads("finer", pixels).writes("maps", maps)
+            pass.shader(push_last).reads("finer", pixels).writes("maps", maps)
         } else {
-            pass.shader("visibility/push").updates("finer", pulled[level - 1])
+            pass.shader(push).updates("finer", pulled[level - 1])
         };
         // An invocation fills the four texels around a corner of the coarser level's.
         pass.reads("coarser", pulled[level])

@@ -1,0 +1,16 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// A push from one coarse level to the next finer one where normals are kept.
+#include "visibility/push-tilted.glsl"
+
+layout(rgba32ui) uniform uimage2D finer;
+
+bool finer_texel(ivec2 texel, out float depth) {
+    uint word = imageLoad(finer, texel).r;
+    depth = pixel_depth(word);
+    return word != EMPTY;
+}
+
+void fill_texel(ivec2 texel, Pulled p) { imageStore(finer, texel, uvec4(pack_pulled(p), pack_tilt(p.tilt), 0u)); }
+void keep_texel(ivec2 texel, bool there, float depth) {}

@@ -1,0 +1,96 @@
+// Points as single pixels (Linke 2016, section 4.4.3): a workgroup a partition. Each point is considered for the maps of the
+// partition's VPL and those that follow it, and drawn into the first few that can see it. Whoever includes it defines
+//     void put(ivec2 texel, uint word, vec3 normal, vec3 w, vec2 p);
+// what becomes of a texel's word: the point's normal and direction are in the VPL's space, p is where it is in the disk;
+//     void put_total(uint drawn, uint lost);
+// and what becomes of a workgroup's or an invocation's counts.
+#include "lib/paraboloid.glsl"
+#include "lib/vpl.glsl"
+#include "visibility/ism.glsl"
+#include "visibility/point.glsl"
+
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const uint MAP_SIZE = 64;
+layout(constant_id = 1) const bool DISTORTION = true;
+layout(constant_id = 2) const bool ROUND = true; // no normals are kept
+
+layout(scalar, push_constant) uniform Params {
+    uint count;      // VPLs
+    uint shares;     // VPLs that share the points out: all, or 1 where each has points of its own
+    uint capacity;   // points of a partition
+    uint considered; // VPLs a point, at most 32
+    uint collected;  // of them
+    uint columns;    // maps side by side
+    float far;       // distance that the maps end at, metres
+    float diagonal;
+    float enlarge;   // all points
+} params;
+
+layout(scalar) readonly buffer Points { Point at[]; } points;
+layout(scalar) readonly buffer Fill { uint at[]; } fill;
+layout(scalar) readonly buffer Vpls { VplPoint at[]; } vpls;
+
+shared vec3 position[32];
+shared mat3 axes[32];
+shared ivec2 corner[32];
+
+void put(ivec2 texel, uint word, vec3 normal, vec3 w, vec2 p);
+void put_total(uint drawn, uint lost);
+
+void main() {
+    uint part = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
+    if (lane < params.considered) {
+        uint vpl = (part + lane) % params.count;
+        position[lane] = vpls.at[vpl].position;
+        axes[lane] = hemisphere(octahedral_snorm16_inverse(vpls.at[vpl].normal));
+        corner[lane] = map_corner(vpl, params.columns, int(MAP_SIZE));
+    }
+    barrier();
+    uint held = fill.at[part];
+    // Which ones a full partition has lost hangs on the order of the atomics: it draws none.
+    if (held > params.capacity) {
+        if (lane == 0u) put_total(0u, held);
+        held = 0u;
+    }
+    uint total = 0u;
+    for (uint i = lane; i < held; i += 64u) {
+        Point point = points.at[part * params.capacity + i];
+        vec3 normal = point_normal(point);
+        uint seen = 0u;
+        for (uint k = 0u; k < params.considered; k++) {
+            seen |= uint(point_faces(point, normal, point.position - position[k], axes[k][2])) << k;
+        }
+        uint passing = bitCount(seen), rest = min(passing, params.collected);
+        total += rest;
+        float radius = point_radius(point, params.diagonal);
+        radius *= params.enlarge * point_enlargement(params.shares, params.considered, passing, max(rest, 1u));
+        for (uint k = 0u; k < params.considered; k++) {
+            if ((seen >> k & 1u) != 0u && rest > 0u) {
+                rest--;
+                vec3 way = point.position - position[k];
+                float d = length(way);
+                vec3 w = way * axes[k] / d;
+                vec2 p = paraboloid(w);
+                ivec2 texel = clamp(ivec2((p * 0.5 + 0.5) * float(MAP_SIZE)), ivec2(0), ivec2(MAP_SIZE - 1u));
+                // A disk seen aslant covers less; where normals are kept, they say how.
+                float seen_radius = radius;
+                if (DISTORTION) {
+                    if (ROUND) seen_radius *= sqrt(abs(dot(normal, way)) / d);
+                }
+                float size = paraboloid_radius(seen_radius, d, w.z, DISTORTION) * (0.5 * float(MAP_SIZE));
+                // A texel's middle is not the point's place: it reaches so much farther.
+                vec3 local = normal * axes[k];
+                if (ROUND) {
+                    size = sqrt(size * size + SNAPPED * SNAPPED);
+                } else {
+                    // Or the disk's plane says how far off it is in the texel's middle.
+                    vec3 middle = paraboloid_inverse((vec2(texel) + 0.5) * (2.0 / float(MAP_SIZE)) - 1.0);
+                    float runs = dot(local, w) / dot(local, middle);
+                    d *= runs > 0.0 ? clamp(runs, 0.8, 1.25) : 1.0;
+                }
+                put(corner[k] + texel, pack_pixel(d / params.far, size), local, w, p);
+            }
+        }
+    }
+    if (total > 0u) put_total(total, 0u);
+}
