@@ -248,7 +248,7 @@ fn list() -> Vec<KeyInfo> {
         absent(
             "visibility.enlarge",
             above(0.0, 16.0),
-            "1, 1.25 if adaptive or with normals, 0.9 for splats",
+            "1, 1.1 if adaptive, 1.25 with normals, 0.9 for splats",
             "Multiplies the points' radius",
         ),
         key("visibility.normals", Flag, "A point's normal limits its size"),

@@ -132,8 +132,8 @@ pub struct VisibilityConfig {
     pub distortion: bool,
     /// Whether points and what is made of them stay in their own map.
     pub clamp: bool,
-    /// Multiplies the points' radius, over 0 to 16; if absent 1 for single pixels, 1.25 where they
-    /// are adaptive or normals are kept, and 0.9 for splats.
+    /// Multiplies the points' radius, over 0 to 16; if absent 1 for single pixels, 1.1 where they
+    /// are adaptive, 1.25 where normals are kept, and 0.9 for splats.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub enlarge: Option<f32>,
     /// Whether a point's normal limits its size.

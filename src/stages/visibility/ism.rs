@@ -40,7 +40,8 @@ shader_struct! {
 /// By how much radii grow where the config does not say. The pull phase closes the holes that disks of a surface's area leave in it; it
 /// closes fewer where points are few or small, and where normals are kept.
 const SINGLE_PIXEL_ENLARGE: f32 = 1.0;
-const ADAPTIVE_ENLARGE: f32 = 1.25;
+const ADAPTIVE_ENLARGE: f32 = 1.1;
+const TILTED_ENLARGE: f32 = 1.25;
 const SPLAT_ENLARGE: f32 = 0.9;
 
 /// The maps of all VPLs, side by side in one image.
@@ -161,7 +162,11 @@ impl Drawing<'_> {
                 columns: *columns,
                 far: diagonal,
                 diagonal,
-                enlarge: config.enlarge.unwrap_or(if own || config.normals { ADAPTIVE_ENLARGE } else { SINGLE_PIXEL_ENLARGE }),
+                enlarge: config.enlarge.unwrap_or(match config.points {
+                    _ if config.normals => TILTED_ENLARGE,
+                    PointSet::Adaptive => ADAPTIVE_ENLARGE,
+                    PointSet::Uniform => SINGLE_PIXEL_ENLARGE,
+                }),
             })
             .dispatch_groups([points.partitions, 1, 1]);
     }
