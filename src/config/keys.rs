@@ -225,7 +225,7 @@ fn list() -> Vec<KeyInfo> {
         key("frame.count", frames(1), "Frames that are measured; the last one is the picture"),
         key("frame.warmup", frames(0), "Frames before them that are not measured"),
         key("frame.fps", above(0.0, f32::MAX), "Frames a second of animation time"),
-        key("frame.seed", U32, "Seed of what is random: the paths of a reference; no method of a frame is, today"),
+        key("frame.seed", U32, "Seed of what is random: a reference's paths, and which points go into which imperfect shadow map"),
         key("frame.timing", Choice(choices::<TimingMode>()), "A barrier around each pass; none but the needed; or one submit a pass"),
         key("materials.dielectric", Choice(choices::<Dielectric>()), "How non-metals reflect"),
         key("rsm.size", Size { max: 8192 }, "Width and height of a light's reflective shadow map, texels"),

@@ -2,7 +2,7 @@
 
 use super::check::error;
 use super::tree::{Node, Origin, Table, Value};
-use super::{Builtin, CameraConfig, Config, LightConfig, LightKeyframe};
+use super::{Builtin, CameraConfig, Collect, Config, IsmRenderer, LightConfig, LightKeyframe, PointSet, VisibilityConfig};
 use anyhow::Result;
 use glam::DVec3;
 
@@ -41,6 +41,9 @@ pub fn given(root: &Table) -> Result<()> {
 /// Rules on the values, with the tree that they came from to say where.
 pub fn values(config: &Config, root: &Node) -> Result<()> {
     let fail = |path: String, message: String| Err(error_at(root, &path, message));
+    if let Err((key, message)) = visibility(&config.visibility) {
+        return fail(format!("visibility{key}"), message);
+    }
     if let Some(bounds) = config.rsm.bounds
         && (0..3).any(|axis| bounds.min[axis] >= bounds.max[axis])
     {
@@ -60,6 +63,40 @@ pub fn values(config: &Config, root: &Node) -> Result<()> {
         if let Err((key, message)) = self::light(light) {
             return fail(format!("light.{index}{key}"), message);
         }
+    }
+    Ok(())
+}
+
+/// Which ways of making imperfect shadow maps go together.
+fn visibility(config: &VisibilityConfig) -> Result<(), Broken> {
+    let splat = config.renderer == IsmRenderer::Splat;
+    if config.points == PointSet::Adaptive {
+        if splat {
+            return broken(
+                ".points",
+                "\"adaptive\" chooses from points that a buffer holds, and splats come from no buffer; take renderer = \"single-pixel\"",
+            );
+        }
+        if config.collect == Collect::Tessellation {
+            return broken(
+                ".points",
+                "\"adaptive\" needs its points in an order that the tessellator does not keep; take collect = \"compute\"",
+            );
+        }
+    }
+    if config.normals && splat {
+        return broken(
+            ".normals",
+            "are kept for what fills the holes between single pixels, and splats have none of it; take renderer = \"single-pixel\"",
+        );
+    }
+    if let (Some(considered), Some(collected)) = (config.considered, config.collected)
+        && collected > considered
+    {
+        return broken(
+            ".collected",
+            format!("{collected} is over visibility.considered, {considered}: a point is drawn into maps that it was considered for"),
+        );
     }
     Ok(())
 }
