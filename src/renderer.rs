@@ -30,13 +30,15 @@ pub fn load_scene(config: &SceneConfig) -> Result<(Scene, Vec<String>)> {
             Some(SceneSelector::Name(name)) => AnimationChoice::Name(name.clone()),
             Some(SceneSelector::Index(index)) => AnimationChoice::Index(*index as usize),
         };
-        let loaded = gltf::load(path, Some(&Choice { scene, animation }))?;
+        let mut loaded = gltf::load(path, Some(&Choice { scene, animation }))?;
+        loaded.scene.sort_triangles();
         return Ok((loaded.scene, loaded.warnings));
     }
-    let scene = match config.builtin.unwrap_or_default() {
+    let mut scene = match config.builtin.unwrap_or_default() {
         Builtin::Atrium => builtin::atrium(&Atrium { triangles: config.triangles, seed: config.seed }),
         Builtin::Cornell => builtin::cornell(),
     };
+    scene.sort_triangles();
     Ok((scene, Vec::new()))
 }
 

@@ -15,7 +15,6 @@ layout(scalar, push_constant) uniform Params {
     float diagonal;
     uint each;     // points of a cluster
     uint clusters; // at most MOST_CLUSTERS
-    uint capacity; // points of a VPL
     uint groups;
     uint seed;
 } params;
@@ -23,39 +22,29 @@ layout(scalar, push_constant) uniform Params {
 const uint MOST_CLUSTERS = 6144u; // 24 KiB of sums
 
 layout(scalar) readonly buffer Vpls { VplPoint at[]; } vpls;
-layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) readonly buffer Pool { Point at[]; } pool;
 layout(scalar) readonly buffer Areas { float at[]; } areas;
 layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) readonly buffer ChunkBegins { uint at[]; } chunk_begins;
 layout(scalar) readonly buffer Begins { uint at[]; } begins;
 layout(scalar) writeonly buffer Points { Point at[]; } points;
-layout(scalar) buffer Fill { uint at[]; } fill;
+layout(scalar) writeonly buffer Fill { uint at[]; } fill;
 
 shared float sums[6144];
 shared float totals[64];
 
-// About the solid angle that a cluster takes.
-float weight(Cluster cluster, vec3 position, vec3 normal) {
-    vec3 way = cluster.center - position;
-    float squared = dot(way, way);
-    float d = sqrt(squared), radius = sqrt(cluster.squared_radius);
-    float shown = cluster.stray + max(-dot(cluster.vector_area, way) / max(d, 1e-12), 0.0);
-    // Where it is near, it lies all around.
-    shown = mix(shown, max(shown, 0.25 * cluster.area), clamp(2.0 * radius / max(d, 1e-12) - 1.0, 0.0, 1.0));
-    // Behind the VPL there is nothing to see.
-    bool before = dot(normal, way) + radius > 0.0;
-    return before ? min(shown / max(squared + 0.25 * cluster.squared_radius, 1e-12), 6.2831853) : 0.0;
-}
-
 void main() {
     uint vpl = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
+    uint offset = begins.at[vpl], count = begins.at[vpl + 1u] - offset;
+    if (lane == 0u) fill.at[vpl] = count;
+    if (count == 0u) return;
     vec3 position = vpls.at[vpl].position;
     vec3 normal = octahedral_snorm16_inverse(vpls.at[vpl].normal);
     uint each = (params.clusters + 63u) / 64u;
     uint low = min(lane * each, params.clusters), high = min(low + each, params.clusters);
     float sum = 0.0;
     for (uint i = low; i < high; i++) {
-        sum += weight(clusters.at[i], position, normal);
+        sum += cluster_view(clusters.at[i], position, normal);
         sums[i] = sum;
     }
     totals[lane] = sum;
@@ -67,11 +56,10 @@ void main() {
     }
     for (uint i = low; i < high; i++) sums[i] += before;
     barrier();
-    if (!(total > 0.0) || all(equal(intensities.at[vpl], vec3(0.0)))) return;
-    uint end = begins.at[params.groups];
-    for (uint i = lane; i < params.capacity; i += 64u) {
+    uint end = chunk_begins.at[params.groups];
+    for (uint i = lane; i < count; i += 64u) {
         vec4 u = random(vpl, i, 0u, params.seed);
-        float at = (float(i) + u.x) / float(params.capacity) * total;
+        float at = (float(i) + u.x) / float(count) * total;
         // The first cluster whose sum is beyond.
         uint cluster = 0u;
         for (uint step = 4096u; step > 0u; step /= 2u) {
@@ -81,17 +69,16 @@ void main() {
         float chance = max(sums[cluster] - begin, 1e-20);
         float area = clusters.at[cluster].area;
         float within = clamp((at - begin) / chance, 0.0, 1.0) * area;
-        uint first = cluster * params.each, count = min(params.each, end - min(first, end));
+        uint first = cluster * params.each, most = min(params.each, end - min(first, end));
         uint k = 0u;
         for (uint step = 4096u; step > 0u; step /= 2u) {
-            k += k + step < count && areas.at[first + k + step - 1u] <= within ? step : 0u;
+            k += k + step < most && areas.at[first + k + step - 1u] <= within ? step : 0u;
         }
         Point point = pool.at[min(first + k, max(end, 1u) - 1u)];
         float own = point_radius(point, params.diagonal);
-        float stands_for = area * total / (float(params.capacity) * chance);
+        float stands_for = area * total / (float(count) * chance);
         float radius = max(own, sqrt(stands_for / PI_OF_DISKS));
-        points.at[vpl * params.capacity + i] =
+        points.at[offset + i] =
             make_point(point.position, point_normal(point), PI_OF_DISKS * radius * radius, params.diagonal, point_is_double_sided(point));
     }
-    if (lane == 0u) atomicAdd(fill.at[vpl], params.capacity);
 }

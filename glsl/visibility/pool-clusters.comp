@@ -25,7 +25,7 @@ void main() {
     if (index >= params.clusters) return;
     uint low = index * params.each;
     uint high = min(low + params.each, min(begins.at[params.groups], params.capacity));
-    Cluster cluster = Cluster(vec3(0.0), 0.0, vec3(0.0), 0.0, 0.0);
+    Cluster cluster = Cluster(vec3(0.0), vec3(0.0), 0.0, 0.0, vec3(0.0));
     vec3 least = vec3(1e30), most = vec3(-1e30);
     float single = 0.0, both = 0.0;
     for (uint i = low; i < high; i++) {
@@ -42,7 +42,7 @@ void main() {
         areas.at[i] = cluster.area;
     }
     cluster.center = 0.5 * (least + most);
-    cluster.squared_radius = high > low ? 0.25 * dot(most - least, most - least) : 0.0;
+    if (high > low) cluster.extent = 0.5 * (most - least);
     // A convex body shows a quarter of its surface to any side; a sheet that is seen from both, half.
     cluster.stray = 0.25 * max(single - length(cluster.vector_area), 0.0) + 0.5 * both;
     clusters.at[index] = cluster;

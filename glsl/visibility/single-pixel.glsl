@@ -17,7 +17,6 @@ layout(constant_id = 2) const bool ROUND = true; // no normals are kept
 layout(scalar, push_constant) uniform Params {
     uint count;      // VPLs
     uint shares;     // VPLs that share the points out: all, or 1 where each has points of its own
-    uint capacity;   // points of a partition
     uint considered; // VPLs a point, at most 32
     uint collected;  // of them
     uint columns;    // maps side by side
@@ -27,6 +26,7 @@ layout(scalar, push_constant) uniform Params {
 } params;
 
 layout(scalar) readonly buffer Points { Point at[]; } points;
+layout(scalar) readonly buffer Begins { uint at[]; } begins; // where the partitions begin, and the end
 layout(scalar) readonly buffer Fill { uint at[]; } fill;
 layout(scalar) readonly buffer Vpls { VplPoint at[]; } vpls;
 
@@ -46,15 +46,15 @@ void main() {
         corner[lane] = map_corner(vpl, params.columns, int(MAP_SIZE));
     }
     barrier();
-    uint held = fill.at[part];
+    uint begin = begins.at[part], held = fill.at[part];
     // Which ones a full partition has lost hangs on the order of the atomics: it draws none.
-    if (held > params.capacity) {
+    if (held > begins.at[part + 1u] - begin) {
         if (lane == 0u) put_total(0u, held);
         held = 0u;
     }
     uint total = 0u;
     for (uint i = lane; i < held; i += 64u) {
-        Point point = points.at[part * params.capacity + i];
+        Point point = points.at[begin + i];
         vec3 normal = point_normal(point);
         uint seen = 0u;
         for (uint k = 0u; k < params.considered; k++) {

@@ -11,6 +11,7 @@ pub mod bvh;
 pub mod device;
 pub mod device_bvh;
 pub mod gltf;
+pub mod order;
 pub mod pack;
 pub mod projection;
 pub mod tangents;

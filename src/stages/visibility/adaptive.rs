@@ -11,10 +11,10 @@ shader_struct! {
     /// `glsl/visibility/cluster.glsl`.
     struct Cluster {
         center: [f32; 3],
-        squared_radius: f32,
         vector_area: [f32; 3],
         stray: f32,
         area: f32,
+        extent: [f32; 3],
     }
 
     struct ScanParams {
@@ -29,11 +29,19 @@ shader_struct! {
         groups: u32,
     }
 
+    struct ViewsParams {
+        clusters: u32,
+    }
+
+    struct SharesParams {
+        count: u32,
+        points: u32,
+    }
+
     struct AdaptiveParams {
         diagonal: f32,
         each: u32,
         clusters: u32,
-        capacity: u32,
         groups: u32,
         seed: u32,
     }
@@ -52,7 +60,7 @@ pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point
     let diagonal = around.scene.bounds.size().length();
     let (chunks, groups) = upload_chunks(g, around, max_area);
     let counts = g.buffer::<u32>("visibility/pool-counts", groups);
-    let begins = g.buffer::<u32>("visibility/pool-begins", groups + 1);
+    let chunk_begins = g.buffer::<u32>("visibility/pool-begins", groups + 1);
     let pool = g.buffer::<Point>("visibility/pool", most);
     let areas = g.buffer::<f32>("visibility/pool-areas", most);
     let cluster_table = g.buffer::<Cluster>("visibility/pool-clusters", clusters);
@@ -63,38 +71,51 @@ pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point
         .dispatch_groups([groups, 1, 1]);
     g.compute("visibility/pool-scan")
         .reads("counts", counts)
-        .writes("begins", begins)
+        .writes("begins", chunk_begins)
         .params(&ScanParams { groups })
         .dispatch_groups([1, 1, 1]);
     goes_through(g.compute("visibility/pool-points"), around, chunks)
-        .reads("begins", begins)
+        .reads("begins", chunk_begins)
         .writes("points", pool)
         .params(&params)
         .dispatch_groups([groups, 1, 1]);
     g.compute("visibility/pool-clusters")
         .reads("points", pool)
-        .reads("begins", begins)
+        .reads("begins", chunk_begins)
         .writes("areas", areas)
         .writes("clusters", cluster_table)
         .params(&ClustersParams { diagonal, each, clusters, capacity: most, groups })
         .dispatch([clusters, 1, 1]);
-    let capacity = (u64::from(point_count) * u64::from(collected)).div_ceil(u64::from(vpls.count)) as u32;
+    let all = u32::try_from(u64::from(point_count) * u64::from(collected)).unwrap_or(u32::MAX);
+    let views = g.buffer::<f32>("visibility/vpl-views", vpls.count);
     let points = Points {
-        points: g.buffer::<Point>("visibility/points", vpls.count * capacity),
-        fill: g.zeroed::<u32>("visibility/fill", vpls.count),
+        points: g.buffer::<Point>("visibility/points", all),
+        begins: g.buffer::<u32>("visibility/begins", vpls.count + 1),
+        fill: g.buffer::<u32>("visibility/fill", vpls.count),
         partitions: vpls.count,
-        capacity,
     };
-    g.compute("visibility/points-adaptive")
+    g.compute("visibility/vpl-views")
         .reads("vpls", vpls.points)
         .reads("intensities", vpls.intensities)
+        .reads("clusters", cluster_table)
+        .writes("views", views)
+        .params(&ViewsParams { clusters })
+        .dispatch_groups([vpls.count, 1, 1]);
+    g.compute("visibility/vpl-shares")
+        .reads("views", views)
+        .writes("begins", points.begins)
+        .params(&SharesParams { count: vpls.count, points: all })
+        .dispatch_groups([1, 1, 1]);
+    g.compute("visibility/points-adaptive")
+        .reads("vpls", vpls.points)
         .reads("pool", pool)
         .reads("areas", areas)
         .reads("clusters", cluster_table)
-        .reads("begins", begins)
+        .reads("chunk_begins", chunk_begins)
+        .reads("begins", points.begins)
         .writes("points", points.points)
-        .updates("fill", points.fill)
-        .params(&AdaptiveParams { diagonal, each, clusters, capacity, groups, seed: around.seed })
+        .writes("fill", points.fill)
+        .params(&AdaptiveParams { diagonal, each, clusters, groups, seed: around.seed })
         .dispatch_groups([vpls.count, 1, 1]);
     points
 }

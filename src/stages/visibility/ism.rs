@@ -27,7 +27,6 @@ shader_struct! {
     struct SinglePixelParams {
         count: u32,
         shares: u32,
-        capacity: u32,
         considered: u32,
         collected: u32,
         columns: u32,
@@ -148,6 +147,7 @@ impl Drawing<'_> {
         let own = config.points == PointSet::Adaptive;
         let diagonal = around.scene.bounds.size().length();
         pass.reads("points", points.points)
+            .reads("begins", points.begins)
             .reads("fill", points.fill)
             .reads("vpls", vpls.points)
             .constant("MAP_SIZE", config.map_size)
@@ -156,7 +156,6 @@ impl Drawing<'_> {
             .params(&SinglePixelParams {
                 count: vpls.count,
                 shares: if own { 1 } else { vpls.count },
-                capacity: points.capacity,
                 considered: if own { 1 } else { considered(config, vpls.count) },
                 collected: if own { 1 } else { collected(config, vpls.count) },
                 columns: *columns,

@@ -29,12 +29,13 @@ shader_struct! {
 /// Points by partition.
 #[derive(Debug, Clone, Copy)]
 pub struct Points {
-    /// `capacity` a partition.
+    /// Of all partitions, one after the other.
     pub points: Buffer,
-    /// How many points came to each partition; where they are more than `capacity`, it has lost some.
+    /// Where each partition begins, and the last one's end.
+    pub begins: Buffer,
+    /// How many points came to each partition; where they are more than it has room for, it has lost some.
     pub fill: Buffer,
     pub partitions: u32,
-    pub capacity: u32,
 }
 
 /// Makes the points by the config's way.
@@ -44,9 +45,9 @@ pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, 
     let capacity = partition_capacity(config, table.points(max_area, config.thin), partitions);
     let points = Points {
         points: g.buffer::<Point>("visibility/points", partitions * capacity),
+        begins: g.upload::<u32>("visibility/begins", &(0..=partitions).map(|part| part * capacity).collect::<Vec<_>>()),
         fill: g.zeroed::<u32>("visibility/fill", partitions),
         partitions,
-        capacity,
     };
     let diagonal = around.scene.bounds.size().length();
     let params = PointsParams { max_area, diagonal, partitions, capacity, seed: around.seed };

@@ -1,0 +1,35 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// How much each VPL sees of the scene, as if nothing hid anything: a workgroup a VPL.
+#include "lib/packing.glsl"
+#include "lib/vpl.glsl"
+#include "visibility/cluster.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(scalar, push_constant) uniform Params {
+    uint clusters;
+} params;
+
+layout(scalar) readonly buffer Vpls { VplPoint at[]; } vpls;
+layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
+layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) writeonly buffer Views { float at[]; } views; // solid angles, 0 for VPLs without light
+
+shared float totals[64];
+
+void main() {
+    uint vpl = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
+    vec3 position = vpls.at[vpl].position;
+    vec3 normal = octahedral_snorm16_inverse(vpls.at[vpl].normal);
+    bool dark = all(equal(intensities.at[vpl], vec3(0.0)));
+    float sum = 0.0;
+    for (uint i = lane; i < params.clusters && !dark; i += 64u) sum += cluster_view(clusters.at[i], position, normal);
+    totals[lane] = sum;
+    barrier();
+    if (lane > 0u) return;
+    float total = 0.0;
+    for (uint i = 0u; i < 64u; i++) total += totals[i];
+    views.at[vpl] = total;
+}
