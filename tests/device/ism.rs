@@ -220,6 +220,7 @@ fn light_is_as_much_as_with_exact_visibility() {
             (PointSet::Adaptive, IsmRenderer::SinglePixel, 0.1),
             (PointSet::Uniform, IsmRenderer::Splat, 0.2),
         ];
+        let mut errors = Vec::new();
         for (points, kind, tolerance) in methods {
             let mut config = config.clone();
             (config.visibility.points, config.visibility.renderer) = (points, kind);
@@ -229,6 +230,13 @@ fn light_is_as_much_as_with_exact_visibility() {
             );
             assert!((energy - 1.0).abs() < tolerance, "{scene:?} {points:?} {kind:?}: energy {energy}");
             assert!(relmse < 0.7 * unshadowed, "{scene:?} {points:?} {kind:?}: {relmse}, without shadows {unshadowed}");
+            errors.push(relmse);
+        }
+        let [uniform, adaptive, splats] = errors[..] else { unreachable!() };
+        assert!(adaptive < uniform && uniform < splats, "{scene:?}: adaptive {adaptive}, uniform {uniform}, splats {splats}");
+        // What is left in the small atrium is where things touch, which no map of this size tells apart.
+        if scene == Builtin::Cornell {
+            assert!(uniform < 0.5 * splats, "{scene:?}: {uniform}, splats {splats}");
         }
         finish(renderer.gpu());
     }
