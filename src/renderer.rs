@@ -11,7 +11,7 @@ use crate::scene::gltf::{self, AnimationChoice, Choice, SceneChoice};
 use crate::scene::projection::{Projector, View};
 use crate::scene::traced::TracedScene;
 use crate::scene::{Aabb, Light, Scene, view};
-use crate::stages::{METHODS, gather, visibility};
+use crate::stages::{self, METHODS, gather, visibility};
 use crate::trace;
 use anyhow::{Result, bail};
 use glam::Vec3;
@@ -432,15 +432,13 @@ pub fn timing(config: &Config, adapter: &Adapter) -> Timing {
 
 /// Refuses a config whose methods need what the device lacks.
 fn check_methods(adapter: &Adapter, config: &Config) -> Result<()> {
-    let value = |key: &str, name: &str| match key {
-        "vpls.sampler" => name == kebab(&config.vpls.sampler),
-        "visibility.method" => name == kebab(&config.visibility.method),
-        "gather.method" => name == kebab(&config.gather.method),
-        "filter.kind" => name == kebab(&config.filter.kind),
-        "direct.shadows" => name == kebab(&config.direct.shadows),
-        _ => true,
+    let values = serde_json::to_value(config).unwrap_or_else(|error| panic!("a config that JSON has no words for: {error}"));
+    let maps = config.visibility.method == VisibilityMethod::ImperfectShadowMaps;
+    let chosen = |key: &str, name: &str| match values.pointer(&format!("/{}", key.replace('.', "/"))) {
+        Some(serde_json::Value::String(value)) => value == name && (maps || !stages::OF_MAPS.contains(&key)),
+        _ => true, // there is but one way
     };
-    for method in METHODS.iter().filter(|method| value(method.slot, method.name)) {
+    for method in METHODS.iter().filter(|method| chosen(method.slot, method.name)) {
         let missing = adapter.missing(method.needs);
         if !missing.is_empty() {
             let list = missing.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
@@ -454,9 +452,4 @@ fn check_methods(adapter: &Adapter, config: &Config) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// A method's name as configs spell it.
-fn kebab(method: &impl serde::Serialize) -> String {
-    serde_json::to_value(method).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }

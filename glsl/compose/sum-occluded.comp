@@ -4,6 +4,6 @@
 // All light of a pixel, the indirect darkened where surfaces nearby stand in its way.
 #include "compose/sum.glsl"
 
-uniform sampler2D visible;
+layout(r32f) readonly uniform image2D visible;
 
-float indirect_share(ivec2 pixel) { return texelFetch(visible, pixel, 0).r; }
+float indirect_share(ivec2 pixel) { return imageLoad(visible, pixel).r; }

@@ -5,7 +5,7 @@
 #include "lib/color.glsl"
 #include "lib/view.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool REINHARD = true;
 
 layout(scalar, push_constant) uniform Params {
@@ -16,11 +16,11 @@ layout(scalar, push_constant) uniform Params {
 
 layout(scalar) uniform ViewBlock { View it; } view;
 uniform sampler2D depth;
-uniform sampler2D albedo;
+layout(rgba16f) readonly uniform image2D albedo;
 uniform sampler2D metallic_roughness;
-uniform sampler2D emission;
-uniform sampler2D direct;
-uniform sampler2D irradiance;
+layout(rgba16f) readonly uniform image2D emission;
+layout(rgba16f) readonly uniform image2D direct;
+layout(rgba16f) readonly uniform image2D irradiance;
 layout(rgba16f) writeonly uniform image2D indirect;
 layout(rgba16f) writeonly uniform image2D radiance;
 layout(rgba8) writeonly uniform image2D image;
@@ -34,8 +34,8 @@ void main() {
     if (any(greaterThanEqual(uvec2(pixel), uvec2(view.it.width, view.it.height)))) return;
     bool surface = texelFetch(depth, pixel, 0).r > 0.0;
     float diffuse = 1.0 - texelFetch(metallic_roughness, pixel, 0).r;
-    vec3 reflected = indirect_share(pixel) * texelFetch(irradiance, pixel, 0).rgb * texelFetch(albedo, pixel, 0).rgb * (diffuse / PI);
-    vec3 sum = surface ? reflected + texelFetch(direct, pixel, 0).rgb + texelFetch(emission, pixel, 0).rgb : params.environment;
+    vec3 reflected = indirect_share(pixel) * imageLoad(irradiance, pixel).rgb * imageLoad(albedo, pixel).rgb * (diffuse / PI);
+    vec3 sum = surface ? reflected + imageLoad(direct, pixel).rgb + imageLoad(emission, pixel).rgb : params.environment;
     vec3 shown = min(sum, LARGEST_HALF) * params.exposure + (surface ? vec3(0.0) : params.background);
     if (REINHARD) shown = reinhard(shown);
     imageStore(indirect, pixel, vec4(surface ? min(reflected, LARGEST_HALF) : vec3(0.0), 1.0));

@@ -7,7 +7,7 @@
 #include "lib/packing.glsl"
 #include "lib/view.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 32, local_size_y = 2) in;
 layout(constant_id = 0) const bool GLOSSY_DIELECTRIC = false;
 layout(constant_id = 1) const uint LIGHT_KIND = 4; // of all lights, or MIXED
 layout(constant_id = 2) const bool METALS = true;  // whether the scene has any

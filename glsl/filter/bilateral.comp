@@ -6,7 +6,7 @@
 #include "lib/packing.glsl"
 #include "lib/view.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 32, local_size_y = 2) in;
 layout(constant_id = 0) const bool VERTICAL = false;
 
 layout(scalar, push_constant) uniform Params {
@@ -17,22 +17,22 @@ layout(scalar, push_constant) uniform Params {
 
 layout(scalar) uniform ViewBlock { View it; } view;
 uniform sampler2D depth;
-uniform sampler2D normal;
-uniform sampler2D noisy;
+layout(rg16_snorm) readonly uniform image2D normal;
+layout(rgba16f) readonly uniform image2D noisy;
 layout(rgba16f) writeonly uniform image2D smoothed;
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     ivec2 size = ivec2(view.it.width, view.it.height);
     if (any(greaterThanEqual(pixel, size))) return;
-    vec4 own = texelFetch(noisy, pixel, 0);
+    vec4 own = imageLoad(noisy, pixel);
     float z = texelFetch(depth, pixel, 0).r;
     if (z <= 0.0) {
         imageStore(smoothed, pixel, own);
         return;
     }
     vec3 x = view_position(view.it, pixel, z);
-    vec3 n = octahedral_inverse(texelFetch(normal, pixel, 0).xy);
+    vec3 n = octahedral_inverse(imageLoad(normal, pixel).xy);
     float reach = params.plane_distance * view.it.near / z;
     vec3 sum = own.rgb * float(params.radius);
     float weights = float(params.radius);
@@ -44,10 +44,10 @@ void main() {
         float other_z = texelFetch(depth, other, 0).r;
         if (other_z <= 0.0) continue;
         float distance = abs(dot(n, view_position(view.it, other, other_z) - x));
-        float cosine = dot(n, octahedral_inverse(texelFetch(normal, other, 0).xy));
+        float cosine = dot(n, octahedral_inverse(imageLoad(normal, other).xy));
         float weight = float(params.radius - abs(offset));
         if (distance <= reach && cosine >= params.min_cosine) {
-            sum += texelFetch(noisy, other, 0).rgb * weight;
+            sum += imageLoad(noisy, other).rgb * weight;
             weights += weight;
         }
     }

@@ -42,8 +42,8 @@ pub enum Feature {
     LayerFromVertexShader,
     /// Storage and linear filtering of R32G32_SFLOAT.
     FilteredRg32Float,
-    /// R16G16_SNORM as a colour attachment.
-    Snorm16Attachment,
+    /// R16G16_SNORM as a colour attachment, and read without a sampler.
+    Snorm16Images,
     /// Handing values round in a subgroup of at least 4, in compute shaders.
     SubgroupBallot,
     TessellationShader,
@@ -65,7 +65,7 @@ impl Feature {
         Self::ShaderDrawParameters,
         Self::LayerFromVertexShader,
         Self::FilteredRg32Float,
-        Self::Snorm16Attachment,
+        Self::Snorm16Images,
         Self::SubgroupBallot,
         Self::TessellationShader,
         Self::GeometryShader,
@@ -87,7 +87,7 @@ impl fmt::Display for Feature {
             Self::ShaderDrawParameters => "shaderDrawParameters",
             Self::LayerFromVertexShader => "shaderOutputLayer",
             Self::FilteredRg32Float => "storage and linear filtering of R32G32_SFLOAT",
-            Self::Snorm16Attachment => "R16G16_SNORM colour attachments",
+            Self::Snorm16Images => "R16G16_SNORM colour attachments and storage images",
             Self::SubgroupBallot => "subgroup ballot operations in compute shaders",
             Self::TessellationShader => "tessellationShader",
             Self::GeometryShader => "geometryShader",
@@ -190,7 +190,8 @@ impl Adapter {
             let format = |format| unsafe { instance.get_physical_device_format_properties(handle, format) }.optimal_tiling_features;
             let filtered = format(vk::Format::R32G32_SFLOAT)
                 .contains(vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR | vk::FormatFeatureFlags::STORAGE_IMAGE);
-            let snorm = format(vk::Format::R16G16_SNORM).contains(vk::FormatFeatureFlags::COLOR_ATTACHMENT);
+            let snorm =
+                format(vk::Format::R16G16_SNORM).contains(vk::FormatFeatureFlags::COLOR_ATTACHMENT | vk::FormatFeatureFlags::STORAGE_IMAGE);
             let on = vk::TRUE;
             features.extend(Feature::ALL.into_iter().filter(|feature| match feature {
                 Feature::Vulkan13 => modern && [v13.dynamic_rendering, v13.synchronization2, v13.maintenance4] == [on; 3],
@@ -200,7 +201,7 @@ impl Adapter {
                 Feature::ShaderDrawParameters => v11.shader_draw_parameters == on,
                 Feature::LayerFromVertexShader => v12.shader_output_layer == on,
                 Feature::FilteredRg32Float => filtered,
-                Feature::Snorm16Attachment => snorm,
+                Feature::Snorm16Images => snorm,
                 Feature::SubgroupBallot => ballot,
                 Feature::TessellationShader => core.tessellation_shader == on,
                 Feature::GeometryShader => core.geometry_shader == on,

@@ -22,17 +22,26 @@ pub struct Method {
 
 /// Every method there is.
 pub const METHODS: &[Method] = {
-    use Feature::{FilteredRg32Float, LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters, Snorm16Attachment, SubgroupBallot};
+    use Feature::{
+        FilteredRg32Float, GeometryShader, LargePoints, LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters, Snorm16Images,
+        SubgroupBallot, TessellationShader, VertexPipelineStores,
+    };
     const fn method(slot: &'static str, name: &'static str, needs: &'static [Feature]) -> Method {
         Method { slot, name, needs }
     }
     &[
-        method("gbuffer", "draw", &[MultiDrawIndirect, ShaderDrawParameters, Snorm16Attachment]),
-        method("rsm", "draw", &[MultiDrawIndirect, ShaderDrawParameters, LayerFromVertexShader, Snorm16Attachment]),
+        method("gbuffer", "draw", &[MultiDrawIndirect, ShaderDrawParameters, Snorm16Images]),
+        method("rsm", "draw", &[MultiDrawIndirect, ShaderDrawParameters, LayerFromVertexShader, Snorm16Images]),
         method("vpls.sampler", "regular", &[]),
         method("visibility.method", "none", &[]),
         method("visibility.method", "ray-traced", &[]),
         method("visibility.method", "imperfect-shadow-maps", &[]),
+        method("visibility.points", "uniform", &[]),
+        method("visibility.points", "adaptive", &[]),
+        method("visibility.collect", "compute", &[]),
+        method("visibility.collect", "tessellation", &[TessellationShader, GeometryShader, VertexPipelineStores]),
+        method("visibility.renderer", "single-pixel", &[]),
+        method("visibility.renderer", "splat", &[TessellationShader, GeometryShader, LargePoints]),
         method("gather.method", "per-pixel", &[SubgroupBallot]),
         method("gather.culling", "none", &[]),
         method("gather.culling", "tiled", &[]),
@@ -49,3 +58,6 @@ pub const METHODS: &[Method] = {
         method("reference", "path", &[]),
     ]
 };
+
+/// Slots that are in use only where VPLs have imperfect shadow maps.
+pub const OF_MAPS: &[&str] = &["visibility.points", "visibility.collect", "visibility.renderer"];
