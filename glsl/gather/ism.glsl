@@ -2,6 +2,8 @@
 #include "lib/paraboloid.glsl"
 #include "visibility/ism.glsl"
 
+layout(constant_id = 2) const bool BILINEAR = true;
+
 layout(scalar) uniform IsmBlock {
     float far;     // the distance that 1 stands for, metres
     float bias;    // widths of a texel
@@ -29,8 +31,22 @@ float lit(Shadow shadow, vec3 way, float squared, float from, float to) {
     // 2 (d + from) / size is what a texel's width comes to at the receiver.
     float sum = max(d + from, 1e-12);
     vec2 p = vec2(dot(shadow.across, way), dot(shadow.up, way)) / -sum;
-    ivec2 texel = clamp(ivec2((p * 0.5 + 0.5) * float(ism.size)), ivec2(0), ivec2(ism.size - 1));
-    float nearest = imageLoad(maps, shadow.corner + texel).r * ism.far;
+    float size = float(ism.size);
+    vec2 at = (p * 0.5 + 0.5) * size;
     // The surface runs deeper across a texel the more it slopes: by its width over the cosine, at most.
-    return (d - nearest) * to <= ism.bias * 2.0 / float(ism.size) * sum * d ? 1.0 : 0.0;
+    float hidden = d * to - ism.bias * 2.0 / size * sum * d, unit = to * ism.far;
+    if (BILINEAR) {
+        at = clamp(at - 0.5, 0.0, size - 1.0);
+        ivec2 low = ivec2(at);
+        ivec2 step = min(low + 1, ivec2(ism.size - 1)) - low;
+        ivec2 texel = shadow.corner + low;
+        vec4 nearest = vec4(imageLoad(maps, texel).r, imageLoad(maps, texel + ivec2(step.x, 0)).r,
+                            imageLoad(maps, texel + ivec2(0, step.y)).r, imageLoad(maps, texel + step).r);
+        vec4 open = vec4(greaterThanEqual(nearest * unit, vec4(hidden)));
+        vec2 within = at - vec2(low);
+        vec2 rows = mix(open.xz, open.yw, within.x);
+        return mix(rows.x, rows.y, within.y);
+    }
+    ivec2 texel = clamp(ivec2(at), ivec2(0), ivec2(ism.size - 1));
+    return imageLoad(maps, shadow.corner + texel).r * unit >= hidden ? 1.0 : 0.0;
 }

@@ -2,7 +2,7 @@
 //! it, and the README's table is made from it; the defaults come from the types.
 
 use super::{
-    Builtin, Collect, Config, Culling, Dielectric, FilterKind, GatherMethod, Interpolation, IsmRenderer, Layer, PointSet, Shadows,
+    Builtin, Collect, Config, Culling, Dielectric, FilterKind, GatherMethod, Interpolation, IsmRenderer, Layer, Lookup, PointSet, Shadows,
     SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityMethod, VplSampler,
 };
 use serde::Deserialize;
@@ -252,6 +252,7 @@ fn list() -> Vec<KeyInfo> {
             "Multiplies the points' radius",
         ),
         key("visibility.normals", Flag, "A point's normal limits its size"),
+        key("visibility.lookup", Choice(choices::<Lookup>()), "Receivers are compared with one texel of a map, or with the four around"),
         key("visibility.bias", from(0.0, 64.0), "How far behind a map's surface is still lit, in units of what the map resolves there"),
         key("gather.method", Choice(choices::<GatherMethod>()), "How the lights are summed at the pixels"),
         key("gather.interleave", OneOf(&[1, 2, 4, 8]), "Side of the block of pixels that share out the lights"),

@@ -18,8 +18,8 @@ pub use load::{load, parse, to_toml};
 pub use scene::{Builtin, CameraConfig, CameraKeyframe, Interpolation, LightConfig, LightKeyframe, SceneConfig, SceneSelector};
 pub use stages::{
     BoxConfig, Collect, ComposeConfig, Culling, Dielectric, DirectConfig, FilterConfig, FilterKind, FrameConfig, GatherConfig,
-    GatherMethod, IsmRenderer, Layer, MaterialsConfig, OutputConfig, PointSet, RsmConfig, Shadows, SsaoConfig, SsaoMethod, SsaoResolution,
-    TimingMode, Tonemap, VisibilityConfig, VisibilityMethod, VplSampler, VplsConfig,
+    GatherMethod, IsmRenderer, Layer, Lookup, MaterialsConfig, OutputConfig, PointSet, RsmConfig, Shadows, SsaoConfig, SsaoMethod,
+    SsaoResolution, TimingMode, Tonemap, VisibilityConfig, VisibilityMethod, VplSampler, VplsConfig,
 };
 
 use serde::{Deserialize, Serialize};

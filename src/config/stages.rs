@@ -138,6 +138,7 @@ pub struct VisibilityConfig {
     pub enlarge: Option<f32>,
     /// Whether a point's normal limits its size.
     pub normals: bool,
+    pub lookup: Lookup,
     /// How far behind a map's surface a receiver still is lit, in units of what the map resolves there; 0 to 64.
     pub bias: f32,
 }
@@ -159,9 +160,21 @@ impl Default for VisibilityConfig {
             clamp: true,
             enlarge: None,
             normals: false,
+            lookup: Lookup::Bilinear,
             bias: 0.75,
         }
     }
+}
+
+/// How receivers are compared with the imperfect shadow maps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Lookup {
+    /// With the texel that they lie in.
+    Nearest,
+    /// With the four texels around; the share of them that lets light through, bilinear (percentage-closer filtering).
+    #[default]
+    Bilinear,
 }
 
 /// How points get into the imperfect shadow maps.

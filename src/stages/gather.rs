@@ -3,7 +3,7 @@
 use super::gbuffer::GBuffer;
 use super::visibility::Visibility;
 use super::vpls::Vpls;
-use crate::config::{Culling, GatherConfig, GatherMethod};
+use crate::config::{Culling, GatherConfig, GatherMethod, Lookup};
 use crate::gpu::Format;
 use crate::graph::{Buffer, Graph, Image};
 use crate::shader_struct;
@@ -72,7 +72,7 @@ fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibili
         Visibility::Ism(ism) => {
             let block = IsmBlock { far: ism.far, bias: ism.bias, size: ism.size as i32, columns: ism.columns };
             let block = g.upload("gather/ism", &[block]);
-            g.compute(names[2]).reads("ism", block).reads("maps", ism.maps)
+            g.compute(names[2]).reads("ism", block).reads("maps", ism.maps).constant("BILINEAR", ism.lookup == Lookup::Bilinear)
         }
     };
     if let Some(clusters) = clusters {

@@ -3,7 +3,7 @@
 
 use super::points::{self, Points, PointsParams};
 use super::{Surroundings, Visibility, VisibilityConfig, adaptive, pull_push};
-use crate::config::{IsmRenderer, PointSet};
+use crate::config::{IsmRenderer, Lookup, PointSet};
 use crate::gpu::Format;
 use crate::graph::{ComputePass, Graph, Image};
 use crate::shader_struct;
@@ -56,6 +56,7 @@ pub struct Ism {
     pub far: f32,
     /// In widths of a texel.
     pub bias: f32,
+    pub lookup: Lookup,
 }
 
 /// Columns and rows of the square of maps that holds `count`; full rows first.
@@ -78,7 +79,14 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, confi
         IsmRenderer::Splat => splat(g, around, vpls, config),
     };
     let far = around.scene.bounds.size().length();
-    Visibility::Ism(Ism { maps, size: config.map_size, columns: layout(vpls.count)[0], far, bias: bias(config, vpls.count) })
+    Visibility::Ism(Ism {
+        maps,
+        size: config.map_size,
+        columns: layout(vpls.count)[0],
+        far,
+        bias: bias(config, vpls.count),
+        lookup: config.lookup,
+    })
 }
 
 /// How coarse a map is, in texels: its texels, and the distances between its points. The receiver is compared so far behind it.
