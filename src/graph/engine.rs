@@ -8,10 +8,10 @@ use super::plan::plan;
 use super::pool::{BufferKind, Pool};
 use super::record::{Placed, Ready, Step, accesses, run};
 use super::{Graph, ReadBack, Resource, Source};
-use crate::gpu::{BindingKind, Bound, BufferId, Format, Gpu, ImageDesc, PipelineId, Sampler, ShaderAccess};
+use crate::gpu::{BindingKind, Bound, BufferId, Format, Gpu, ImageDesc, PipelineId, Sampler};
 use crate::trace;
 use anyhow::{Result, bail};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// How passes are timed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -209,6 +209,7 @@ impl Engine {
 
     /// Lends every resource of the graph its memory; usage flags come from how the passes use it.
     fn place(&mut self, graph: &Graph) -> Result<Placed> {
+        let stored = self.storage_images(graph)?;
         let mut placed = Placed { images: HashMap::new(), buffers: HashMap::new(), zeroed: Vec::new() };
         let (mut indices, mut wanted) = (Vec::new(), Vec::new());
         for (index, slot) in graph.slots.iter().enumerate() {
@@ -242,7 +243,6 @@ impl Engine {
                     placed.buffers.insert(index, id);
                 }
                 (Resource::Image(image), Source::Transient) => {
-                    let stored = |pass: &Pass| pass.uses.iter().any(|u| u.resource.index() == index && u.access != ShaderAccess::Read);
                     let rendered = |pass: &Pass| match &pass.work {
                         Work::Raster { color, depth, .. } => {
                             color.iter().any(|target| target.image.index as usize == index)
@@ -257,7 +257,7 @@ impl Engine {
                         layers: image.layers,
                         mips: 1,
                         attachment: graph.passes.iter().any(rendered),
-                        storage: graph.passes.iter().any(stored),
+                        storage: stored.contains(&index),
                     };
                     indices.push(index);
                     wanted.push((slot.name.clone(), desc));
@@ -267,6 +267,23 @@ impl Engine {
         let ids = self.pool.images(&mut self.gpu, &wanted)?;
         placed.images.extend(indices.into_iter().zip(ids));
         Ok(placed)
+    }
+
+    /// Indices of the images that shaders read or write without a sampler.
+    fn storage_images(&mut self, graph: &Graph) -> Result<HashSet<usize>> {
+        let mut stored = HashSet::new();
+        for pass in &graph.passes {
+            let list = match &pass.work {
+                Work::Compute(_) => None,
+                Work::Raster { draws, .. } if draws.is_empty() => continue,
+                Work::Raster { draws, .. } => draws.first(),
+            };
+            let pipeline = self.pipeline(graph, pass, list)?;
+            let bindings = self.gpu.bindings(pipeline);
+            let uses = pass.uses.iter().filter(|used| matches!(bindings[used.binding].1.kind, BindingKind::StorageImage { .. }));
+            stored.extend(uses.map(|used| used.resource.index()));
+        }
+        Ok(stored)
     }
 
     fn step(&mut self, graph: &Graph, placed: &Placed, pass: &Pass, list: Option<&DrawList>) -> Result<Step> {
