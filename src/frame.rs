@@ -8,7 +8,7 @@ use crate::scene::traced::TracedScene;
 use crate::stages::compose::Composed;
 use crate::stages::gbuffer::GBuffer;
 use crate::stages::visibility::Surroundings;
-use crate::stages::{compose, direct, filter, gather, gbuffer, rsm, ssao, visibility, vpls};
+use crate::stages::{bounce, compose, direct, filter, gather, gbuffer, rsm, ssao, visibility, vpls};
 use glam::Vec3;
 
 /// What a frame is lit by.
@@ -38,6 +38,7 @@ pub fn frame(g: &mut Graph, scene: &DeviceScene, traced: Option<&TracedScene>, v
     let gbuffer = gbuffer::draw(g, scene, handles, view);
     let rsm = rsm::draw(g, scene, handles, &lighting.projectors, config.rsm.size, config.vpls.count);
     let vpls = vpls::sample(g, &rsm, &gbuffer, &config.vpls);
+    let bounces = bounce::propagate(g, scene, handles, vpls, config);
     let around = Surroundings {
         scene,
         handles,
@@ -46,8 +47,8 @@ pub fn frame(g: &mut Graph, scene: &DeviceScene, traced: Option<&TracedScene>, v
         interleave: config.gather.interleave,
         seed: config.frame.seed,
     };
-    let visibility = visibility::render(g, around, &vpls, &config.visibility);
-    let indirect = gather::indirect(g, &gbuffer, &vpls, visibility, &config.gather);
+    let lights = visibility::render(g, around, &bounces, config);
+    let indirect = gather::indirect(g, &gbuffer, &lights, &config.gather);
     let irradiance = filter::smooth(g, &gbuffer, indirect, config.gather.interleave, &config.filter);
     let visible = ssao::occlusion(g, &gbuffer, &config.ssao);
     let direct = direct::shade(g, scene, traced.as_ref(), &gbuffer, &rsm, config.materials.dielectric, &config.direct);

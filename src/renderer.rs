@@ -11,7 +11,7 @@ use crate::scene::gltf::{self, AnimationChoice, Choice, SceneChoice};
 use crate::scene::projection::{Projector, View};
 use crate::scene::traced::TracedScene;
 use crate::scene::{Aabb, Light, Scene, view};
-use crate::stages::{self, METHODS, gather, visibility};
+use crate::stages::{self, METHODS, bounce, gather, visibility};
 use crate::trace;
 use anyhow::{Result, bail};
 use glam::Vec3;
@@ -31,20 +31,32 @@ pub fn load_scene(config: &SceneConfig) -> Result<(Scene, Vec<String>)> {
             Some(SceneSelector::Index(index)) => AnimationChoice::Index(*index as usize),
         };
         let mut loaded = gltf::load(path, Some(&Choice { scene, animation }))?;
-        loaded.scene.sort_triangles();
+        prepare_triangles(&mut loaded.scene, config);
         return Ok((loaded.scene, loaded.warnings));
     }
     let mut scene = match config.builtin.unwrap_or_default() {
         Builtin::Atrium => builtin::atrium(&Atrium { triangles: config.triangles, seed: config.seed }),
         Builtin::Cornell => builtin::cornell(),
     };
-    scene.sort_triangles();
+    prepare_triangles(&mut scene, config);
     Ok((scene, Vec::new()))
+}
+
+fn prepare_triangles(scene: &mut Scene, config: &SceneConfig) {
+    if let Some(part) = config.split {
+        scene.split_triangles(part);
+    }
+    scene.sort_triangles();
 }
 
 /// Whether frames of a config trace rays, which a renderer must be made for ([`Renderer::traced`]).
 pub fn needs_rays(config: &Config) -> bool {
-    config.visibility.method == VisibilityMethod::RayTraced || config.direct.shadows == Shadows::RayTraced
+    config.visibility_methods().any(|method| method == VisibilityMethod::RayTraced) || config.direct.shadows == Shadows::RayTraced
+}
+
+/// Whether a config's frames put VPLs into clusters.
+pub fn clustered(config: &Config) -> bool {
+    config.bounce.count > 1 || config.visibility.method == VisibilityMethod::Clusters
 }
 
 /// A scene on a device, and everything that stays from frame to frame.
@@ -55,6 +67,8 @@ pub struct Renderer {
     traced: Option<TracedScene>,
     /// Where the scene's animation was when the hierarchy was built, seconds; unknown after one that failed.
     time_of_rays: Option<f64>,
+    /// The frame before, which the next goes on from where it is a later one of the same config.
+    last: Option<(Config, u32)>,
 }
 
 /// What a frame gave.
@@ -178,7 +192,7 @@ impl Renderer {
             (Some(_), None) => Scene { vertices: Vec::new(), indices: Vec::new(), textures: Vec::new(), ..scene },
             (Some(_), Some(_)) => scene,
         };
-        Ok(Self { engine, scene, device_scene, traced, time_of_rays: Some(0.0) })
+        Ok(Self { engine, scene, device_scene, traced, time_of_rays: Some(0.0), last: None })
     }
 
     /// Opens a device and brings a scene to it.
@@ -280,23 +294,38 @@ impl Renderer {
                 "vpls.count: {count} is out of range, expected {maps} to {texels}: at least one for each shadow map, at most one a texel"
             ));
         }
-        let each = u64::from(gather::vpls_a_pixel(config.vpls.count, config.gather.interleave));
-        let most = u64::from(limits.image_layers) * u64::from(visibility::BITS);
-        if config.visibility.method == VisibilityMethod::RayTraced && each > most {
-            return Err(fail!(
-                BadInput,
-                "gather.interleave: {} leaves {each} VPLs to each pixel, over the {most} that \"ray-traced\" visibility keeps on {}; raise it or lower vpls.count",
-                config.gather.interleave,
-                adapter.name
-            ));
+        if clustered(config) {
+            let counts = [("vpls.count", config.vpls.count), ("bounce.vpls", config.bounce.vpls)];
+            for (key, count) in &counts[..if config.bounce.count > 2 { 2 } else { 1 }] {
+                if bounce::most_rounds(*count, config.bounce.clusters) == 0 {
+                    return Err(fail!(
+                        BadInput,
+                        "{key}: {count} VPLs are too many to be put into {} clusters on every driver; lower either",
+                        config.bounce.clusters
+                    ));
+                }
+            }
         }
-        if each > gather::MOST_VPLS_A_PIXEL {
-            return Err(fail!(
-                BadInput,
-                "gather.interleave: {} leaves {each} VPLs to each pixel, over the {} that every driver sums; raise it or lower vpls.count",
-                config.gather.interleave,
-                gather::MOST_VPLS_A_PIXEL
-            ));
+        let most = u64::from(limits.image_layers) * u64::from(visibility::BITS);
+        let lists = [("vpls.count", config.vpls.count), ("bounce.vpls", if config.bounce.count > 1 { config.bounce.vpls } else { 0 })];
+        for ((key, count), method) in lists.into_iter().zip(config.visibility_methods()) {
+            let each = u64::from(gather::vpls_a_pixel(count, config.gather.interleave));
+            if method == VisibilityMethod::RayTraced && each > most {
+                return Err(fail!(
+                    BadInput,
+                    "gather.interleave: {} leaves {each} VPLs to each pixel, over the {most} that \"ray-traced\" visibility keeps on {}; raise it or lower {key}",
+                    config.gather.interleave,
+                    adapter.name
+                ));
+            }
+            if each > gather::MOST_VPLS_A_PIXEL {
+                return Err(fail!(
+                    BadInput,
+                    "gather.interleave: {} leaves {each} VPLs to each pixel, over the {} that every driver sums; raise it or lower {key}",
+                    config.gather.interleave,
+                    gather::MOST_VPLS_A_PIXEL
+                ));
+            }
         }
         Ok(())
     }
@@ -368,6 +397,7 @@ impl Renderer {
         self.set_time(config, 0)?;
         let mut g = Graph::warming_up();
         self.describe(&mut g, config, 0)?;
+        self.last = None;
         self.engine.execute(&g, execution).map(|_| ())
     }
 
@@ -379,9 +409,13 @@ impl Renderer {
         Ok((frame(g, &self.device_scene, self.traced.as_ref(), &view, &lighting, config), view))
     }
 
-    /// Renders frame `frame_index`; its images are only brought back where `pictured`.
+    /// Renders frame `frame_index`; its images are only brought back where `pictured`. A frame that comes after an earlier one of the same
+    /// config goes on from it ([`Graph::history`]); any other starts anew, so that what was rendered before it changes nothing.
     pub fn render(&mut self, config: &Config, frame_index: u32, pictured: bool, execution: &Execution) -> Result<Rendered> {
         self.set_time(config, frame_index)?;
+        if !self.last.take().is_some_and(|(last, index)| last == *config && index < frame_index) {
+            self.engine.forget();
+        }
         let mut g = Graph::new();
         let (frame, view) = self.describe(&mut g, config, frame_index)?;
         let images = [
@@ -396,6 +430,7 @@ impl Renderer {
         ];
         let read: Vec<ReadBack> = if pictured { images.iter().map(|image| g.read_back(*image)).collect() } else { Vec::new() };
         let outcome = self.engine.execute(&g, execution)?;
+        self.last = Some((config.clone(), frame_index));
         let _span = pictured.then(|| trace::span("decoding the images"));
         let picture = match read.as_slice() {
             [image, planes @ ..] => {
@@ -433,9 +468,10 @@ pub fn timing(config: &Config, adapter: &Adapter) -> Timing {
 /// Refuses a config whose methods need what the device lacks.
 fn check_methods(adapter: &Adapter, config: &Config) -> Result<()> {
     let values = serde_json::to_value(config).unwrap_or_else(|error| panic!("a config that JSON has no words for: {error}"));
-    let maps = config.visibility.method == VisibilityMethod::ImperfectShadowMaps;
+    let maps = config.visibility_methods().any(|method| method == VisibilityMethod::ImperfectShadowMaps);
+    let idle = |key: &str| (!maps && stages::OF_MAPS.contains(&key)) || (!clustered(config) && stages::OF_CLUSTERS.contains(&key));
     let chosen = |key: &str, name: &str| match values.pointer(&format!("/{}", key.replace('.', "/"))) {
-        Some(serde_json::Value::String(value)) => value == name && (maps || !stages::OF_MAPS.contains(&key)),
+        Some(serde_json::Value::String(value)) => value == name && !idle(key),
         _ => true, // there is but one way
     };
     for method in METHODS.iter().filter(|method| chosen(method.slot, method.name)) {

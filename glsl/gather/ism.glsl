@@ -18,7 +18,7 @@ struct Shadow {
     ivec2 corner;
 };
 
-Shadow shadow_of(uint vpl, vec3 facing) {
+Shadow shadow_of(uint vpl, vec3 position, vec3 facing) {
     mat3 axes = hemisphere(facing);
     return Shadow(axes[0], axes[1], map_corner(vpl, ism.columns, ism.size));
 }

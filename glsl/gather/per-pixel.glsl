@@ -4,7 +4,7 @@
 //     uvec4 seen(ivec2 pixel, uint index);
 // which VPLs of the pixel's set, from number `index` on, the pixels see: bit i of a word for VPL index + i, up to the next multiple
 // of 32, a word for each of the pixels at the given one, a step across, down, and both; and
-//     Shadow shadow_of(uint vpl, vec3 facing);
+//     Shadow shadow_of(uint vpl, vec3 position, vec3 facing);
 //     float lit(Shadow shadow, vec3 way, float squared, float from, float to);
 // what a VPL's shadow test needs, and the test: `way` to the VPL, its squared length, and the cosines to the VPL's normal and to the
 // receiver's, both times the length.
@@ -16,6 +16,7 @@
 
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(constant_id = 0) const uint INTERLEAVE = 1;
+layout(constant_id = 3) const bool DISKS = false; // VPLs shine as disks of the area that they stand for
 
 layout(scalar, push_constant) uniform Params {
     uint count;
@@ -27,10 +28,11 @@ uniform sampler2D depth;
 uniform sampler2D normal;
 layout(scalar) readonly buffer Points { VplPoint at[]; } points;
 layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
+layout(scalar) readonly buffer Areas { float at[]; } areas;
 layout(rgba16f) writeonly uniform image2D irradiance;
 
 uvec4 seen(ivec2 pixel, uint index);
-Shadow shadow_of(uint vpl, vec3 facing);
+Shadow shadow_of(uint vpl, vec3 position, vec3 facing);
 float lit(Shadow shadow, vec3 way, float squared, float from, float to);
 
 // A pixel being shaded.
@@ -60,6 +62,7 @@ struct Vpl {
     vec3 position;
     vec3 facing;
     vec3 intensity;
+    float spread; // square of a disk's radius
     Shadow shadow;
 };
 
@@ -67,20 +70,23 @@ struct Vpl {
 Vpl vpl(uint index, bool there) {
     VplPoint point = points.at[index];
     vec3 facing = octahedral_snorm16_inverse(point.normal);
-    return Vpl(point.position, facing, there ? intensities.at[index] : vec3(0.0), shadow_of(index, facing));
+    float spread = 0.0;
+    if (DISKS) spread = areas.at[index] / 3.14159265358979;
+    return Vpl(point.position, facing, there ? intensities.at[index] : vec3(0.0), spread, shadow_of(index, point.position, facing));
 }
 
 Vpl hand_round(Vpl mine, uint lane) {
     return Vpl(subgroupBroadcast(mine.position, lane), subgroupBroadcast(mine.facing, lane), subgroupBroadcast(mine.intensity, lane),
-               HAND_SHADOW_ROUND(mine.shadow, lane));
+               subgroupBroadcast(mine.spread, lane), HAND_SHADOW_ROUND(mine.shadow, lane));
 }
 
-// A VPL radiates intensity * cosine; d_min bounds what nears infinity as the two points meet.
+// A VPL radiates intensity * cosine; d_min bounds what nears infinity as the two points meet. A disk of radius R that has the same
+// intensity in all gives 1 / (d^2 + R^2) on its axis.
 void shade(inout Receiver r, Vpl vpl, float visible) {
     vec3 way = vpl.position - r.position;
     float squared = dot(way, way);
     float from = max(-dot(vpl.facing, way), 0.0), to = max(dot(r.normal, way), 0.0);
-    float weight = from * to * visible / max(squared * max(squared, params.squared_min_distance), 1e-20);
+    float weight = from * to * visible / max(squared * max(squared + vpl.spread, params.squared_min_distance), 1e-20);
     r.sum += vpl.intensity * (weight * lit(vpl.shadow, way, squared, from, to));
 }
 

@@ -76,6 +76,19 @@ vec3 texel_flux(Light light, vec2 ndc) {
     return light.power * spot_falloff(light, inversesqrt(1.0 + dot(t, t))) * texel_solid_angle(light.texel_area, t);
 }
 
+// Area of a texel's beam where it meets a surface, across the beam, m^2.
+float texel_beam(Light light, vec2 ndc, vec3 position) {
+    if (light.kind == DIRECTIONAL) return light.texel_area;
+    vec2 t = ndc * vec2(length(light.right), length(light.up));
+    vec3 way = position - light.origin;
+    return texel_solid_angle(light.texel_area, t) * dot(way, way);
+}
+
+// The way that light travels to a point of the map.
+vec3 light_way(Light light, vec3 position) {
+    return light.kind == DIRECTIONAL ? light.direction : normalize(position - light.origin);
+}
+
 // Irradiance on a surface that faces the light, from it alone and unshadowed.
 vec3 light_irradiance(Light light, vec3 position, out vec3 to_light) {
     if (light.kind == DIRECTIONAL) {

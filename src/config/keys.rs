@@ -2,7 +2,7 @@
 //! it, and the README's table is made from it; the defaults come from the types.
 
 use super::{
-    Builtin, Collect, Config, Culling, Dielectric, FilterKind, GatherMethod, Interpolation, IsmRenderer, Layer, Lookup, PointSet, Shadows,
+    BounceVisibility, Builtin, Centers, Collect, Config, Culling, Dielectric, Emitters, FilterKind, GatherMethod, Interpolation, IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Representative, Shadows,
     SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityMethod, VplSampler,
 };
 use serde::Deserialize;
@@ -183,6 +183,12 @@ fn list() -> Vec<KeyInfo> {
         key("scene.triangles", Whole { min: 10_000, max: 8_000_000 }, "About how many triangles the atrium has"),
         key("scene.seed", U32, "Seed of what is random in the atrium"),
         absent(
+            "scene.split",
+            from(0.001, 1.0),
+            "none",
+            "Triangles are split until no edge is longer than this part of the scene's diagonal: maps of clusters bend long ones",
+        ),
+        absent(
             "camera.position",
             Point,
             "the scene's first camera, else a view of all of it",
@@ -233,6 +239,18 @@ fn list() -> Vec<KeyInfo> {
         absent("rsm.box.max", Point, "the scene's bounds", "Upper corner of that box"),
         key("vpls.sampler", Choice(choices::<VplSampler>()), "How texels are chosen to be virtual point lights"),
         key("vpls.count", Whole { min: 1, max: 1_048_576 }, "Virtual point lights in all"),
+        key("bounce.count", Whole { min: 1, max: 8 }, "Bounces of indirect light; one is that of the lights above alone"),
+        key("bounce.clusters", Whole { min: 1, max: 64 }, "Clusters of a bounce's virtual point lights, each with a map of what it sees"),
+        key("bounce.representative", Choice(choices::<Representative>()), "Where a cluster's map is rendered from"),
+        key("bounce.centers", Choice(choices::<Centers>()), "Where a frame's clusters start: from the last frame's, or anew"),
+        key("bounce.rounds", Whole { min: 1, max: 64 }, "Rounds of k-means a frame; the first frame has as many as it takes"),
+        key("bounce.position_weight", from(0.0, 1000.0), "What distance counts for between clusters, in scene's diagonals"),
+        key("bounce.normal_weight", from(0.0, 1000.0), "What the angle between normals counts for"),
+        key("bounce.map_size", OneOf(&[64, 128, 256, 512, 1024]), "Side of a cluster's map, texels"),
+        key("bounce.layers", Choice(choices::<Layers>()), "How the maps of all clusters are filled"),
+        key("bounce.pattern", Choice(choices::<Pattern>()), "Where samples lie in a map: over its disk, or over the square around it"),
+        key("bounce.vpls", Whole { min: 1, max: 65_536 }, "Virtual point lights of each bounce after the first, in all"),
+        key("bounce.visibility", Choice(choices::<BounceVisibility>()), "How their shadows are found"),
         key("visibility.method", Choice(choices::<VisibilityMethod>()), "How a virtual point light's shadows are found"),
         key("visibility.renderer", Choice(choices::<IsmRenderer>()), "How points get into imperfect shadow maps"),
         key("visibility.collect", Choice(choices::<Collect>()), "How points are made from triangles"),
@@ -261,6 +279,7 @@ fn list() -> Vec<KeyInfo> {
             Choice(choices::<Culling>()),
             "How lights that cannot shine on pixels are left out; the picture stays the same",
         ),
+        key("gather.emitters", Choice(choices::<Emitters>()), "What virtual point lights shine as on what is near them"),
         key("gather.min_distance", from(0.0, 1e6), "Below this distance a light gets no brighter, metres; 0 turns it off"),
         key("filter.kind", Choice(choices::<FilterKind>()), "How the indirect light is smoothed"),
         absent("filter.radius", Whole { min: 1, max: 32 }, "from `gather.interleave`", "Where a neighbour's weight reaches 0, pixels away"),

@@ -17,8 +17,8 @@ pub(crate) use load::{Base, document, read_text};
 pub use load::{load, parse, to_toml};
 pub use scene::{Builtin, CameraConfig, CameraKeyframe, Interpolation, LightConfig, LightKeyframe, SceneConfig, SceneSelector};
 pub use stages::{
-    BoxConfig, Collect, ComposeConfig, Culling, Dielectric, DirectConfig, FilterConfig, FilterKind, FrameConfig, GatherConfig,
-    GatherMethod, IsmRenderer, Layer, Lookup, MaterialsConfig, OutputConfig, PointSet, RsmConfig, Shadows, SsaoConfig, SsaoMethod,
+    BounceConfig, BounceVisibility, BoxConfig, Centers, Collect, ComposeConfig, Culling, Dielectric, DirectConfig, Emitters, FilterConfig, FilterKind, FrameConfig, GatherConfig,
+    GatherMethod, IsmRenderer, Layer, Layers, Lookup, MaterialsConfig, OutputConfig, Pattern, PointSet, Representative, RsmConfig, Shadows, SsaoConfig, SsaoMethod,
     SsaoResolution, TimingMode, Tonemap, VisibilityConfig, VisibilityMethod, VplSampler, VplsConfig,
 };
 
@@ -39,6 +39,7 @@ pub struct Config {
     pub materials: MaterialsConfig,
     pub rsm: RsmConfig,
     pub vpls: VplsConfig,
+    pub bounce: BounceConfig,
     pub visibility: VisibilityConfig,
     pub gather: GatherConfig,
     pub filter: FilterConfig,
@@ -46,4 +47,16 @@ pub struct Config {
     pub ssao: SsaoConfig,
     pub compose: ComposeConfig,
     pub output: OutputConfig,
+}
+
+impl Config {
+    /// How the virtual point lights of each bounce are shadowed.
+    pub fn visibility_methods(&self) -> impl Iterator<Item = VisibilityMethod> {
+        let further = match self.bounce.visibility {
+            BounceVisibility::None => VisibilityMethod::None,
+            BounceVisibility::RayTraced => VisibilityMethod::RayTraced,
+            BounceVisibility::ImperfectShadowMaps => VisibilityMethod::ImperfectShadowMaps,
+        };
+        std::iter::once(self.visibility.method).chain(std::iter::repeat_n(further, self.bounce.count as usize - 1))
+    }
 }

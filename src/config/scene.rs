@@ -19,11 +19,13 @@ pub struct SceneConfig {
     pub triangles: u32,
     /// Seed of what is random in the atrium.
     pub seed: u32,
+    /// Triangles are split until no edge is longer than this part of the scene's diagonal, 0.001 to 1; as they are if absent.
+    pub split: Option<f32>,
 }
 
 impl Default for SceneConfig {
     fn default() -> Self {
-        Self { file: None, scene: None, animation: None, builtin: Some(Builtin::Atrium), triangles: 260_000, seed: 0 }
+        Self { file: None, scene: None, animation: None, builtin: Some(Builtin::Atrium), triangles: 260_000, seed: 0, split: None }
     }
 }
 
@@ -46,6 +48,9 @@ impl Serialize for SceneConfig {
                 table.serialize_field("triangles", &self.triangles)?;
                 table.serialize_field("seed", &self.seed)?;
             }
+        }
+        if let Some(split) = &self.split {
+            table.serialize_field("split", split)?;
         }
         table.end()
     }

@@ -102,6 +102,108 @@ pub enum VplSampler {
     /// A regular pattern over the map, shuffled by a fixed permutation.
     #[default]
     Regular,
+    /// The points of a Hammersley set, shuffled likewise.
+    Hammersley,
+}
+
+/// `[bounce]`: how light goes on from the first virtual point lights.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct BounceConfig {
+    /// Bounces of indirect light, 1 to 8: one is that of the virtual point lights from the reflective shadow map.
+    pub count: u32,
+    /// Clusters of a bounce's virtual point lights, 1 to 64.
+    pub clusters: u32,
+    pub representative: Representative,
+    pub centers: Centers,
+    /// Rounds of k-means a frame, 1 to 64; the first frame goes on until nothing changes.
+    pub rounds: u32,
+    /// What distance counts for between a light and its cluster, in scene's diagonals; 0 to 1,000.
+    pub position_weight: f32,
+    /// And the cosine between their normals; 0 to 1,000.
+    pub normal_weight: f32,
+    /// Side of a cluster's map, texels: 64, 128, 256, 512 or 1024.
+    pub map_size: u32,
+    pub layers: Layers,
+    pub pattern: Pattern,
+    /// Virtual point lights of each bounce after the first, in all, 1 to 65,536.
+    pub vpls: u32,
+    pub visibility: BounceVisibility,
+}
+
+impl Default for BounceConfig {
+    fn default() -> Self {
+        Self {
+            count: 1,
+            clusters: 8,
+            representative: Representative::NearestMember,
+            centers: Centers::Kept,
+            rounds: 5,
+            position_weight: 0.6,
+            normal_weight: 0.4,
+            map_size: 256,
+            layers: Layers::Instanced,
+            pattern: Pattern::Disk,
+            vpls: 256,
+            visibility: BounceVisibility::None,
+        }
+    }
+}
+
+/// Where a cluster's map is rendered from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Representative {
+    /// The light that is nearest to the mean of the cluster's.
+    #[default]
+    NearestMember,
+    /// The mean itself, which may float or lie in a wall.
+    Mean,
+}
+
+/// Where a frame's clusters start from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Centers {
+    /// Those of the frame before.
+    #[default]
+    Kept,
+    /// Other ones in every frame.
+    Reseeded,
+}
+
+/// How the maps of all clusters are filled.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Layers {
+    /// A geometry shader sends each triangle to every map.
+    GeometryShader,
+    /// An instance of the scene a map, which the vertex shader sends there.
+    #[default]
+    Instanced,
+    /// A pass a map.
+    PerLayer,
+}
+
+/// Where in a cluster's map light goes on.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Pattern {
+    /// Evenly over the disk that the map's picture is.
+    #[default]
+    Disk,
+    /// Evenly over the whole map, its empty corners too.
+    Box,
+}
+
+/// What the virtual point lights of further bounces see: as in `[visibility]`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BounceVisibility {
+    #[default]
+    None,
+    RayTraced,
+    ImperfectShadowMaps,
 }
 
 /// `[visibility]`: what a virtual point light sees.
@@ -220,6 +322,8 @@ pub enum VisibilityMethod {
     RayTraced,
     /// Small shadow maps of points, one a light.
     ImperfectShadowMaps,
+    /// Shadow maps of clusters of lights; see [`BounceConfig`].
+    Clusters,
 }
 
 /// `[gather]`: how the virtual point lights' light is summed at the pixels.
@@ -230,13 +334,14 @@ pub struct GatherConfig {
     /// Each pixel of a block of this side length sums another subset of the lights: 1, 2, 4 or 8.
     pub interleave: u32,
     pub culling: Culling,
+    pub emitters: Emitters,
     /// The distance d_min, in metres, below which a light does not get brighter; 0 turns it off. At most 1,000,000.
     pub min_distance: f32,
 }
 
 impl Default for GatherConfig {
     fn default() -> Self {
-        Self { method: GatherMethod::PerPixel, interleave: 4, culling: Culling::Tiled, min_distance: 0.3 }
+        Self { method: GatherMethod::PerPixel, interleave: 4, culling: Culling::Tiled, emitters: Emitters::Points, min_distance: 0.3 }
     }
 }
 
@@ -260,12 +365,22 @@ pub enum Culling {
     Clustered,
 }
 
+/// What virtual point lights shine as on what is near them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Emitters {
+    #[default]
+    Points,
+    /// Disks of the area that each stands for, as seen from their axis: the fewer lights, the softer they are.
+    Disks,
+}
+
 /// `[filter]`: how the indirect irradiance is smoothed over the pixels' subsets.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FilterConfig {
     pub kind: FilterKind,
-    /// Pixels to each side, 1 to 32; follows `gather.interleave` if absent.
+    /// Pixels to each side, 1 to 32; if absent `gather.interleave`, or twice that for a Gaussian.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub radius: Option<u32>,
     /// Pixels whose normals differ by more are kept apart; degrees, over 0 to 90.
@@ -286,6 +401,8 @@ pub enum FilterKind {
     /// Separable, depth- and normal-aware.
     #[default]
     Bilateral,
+    /// Likewise, and its weights are a Gaussian's.
+    Gaussian,
     None,
 }
 

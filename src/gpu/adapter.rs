@@ -48,6 +48,7 @@ pub enum Feature {
     SubgroupBallot,
     TessellationShader,
     GeometryShader,
+    ClipDistance,
     /// Points of up to 64 pixels from geometry shaders.
     LargePoints,
     /// Storage writes and atomics in vertex, tessellation and geometry shaders.
@@ -57,7 +58,7 @@ pub enum Feature {
 }
 
 impl Feature {
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Vulkan13,
         Self::PushDescriptors,
         Self::ScalarBlockLayout,
@@ -69,6 +70,7 @@ impl Feature {
         Self::SubgroupBallot,
         Self::TessellationShader,
         Self::GeometryShader,
+        Self::ClipDistance,
         Self::LargePoints,
         Self::VertexPipelineStores,
         Self::Timestamps,
@@ -91,6 +93,7 @@ impl fmt::Display for Feature {
             Self::SubgroupBallot => "subgroup ballot operations in compute shaders",
             Self::TessellationShader => "tessellationShader",
             Self::GeometryShader => "geometryShader",
+            Self::ClipDistance => "shaderClipDistance",
             Self::LargePoints => "largePoints and shaderTessellationAndGeometryPointSize, to 64 pixels",
             Self::VertexPipelineStores => "vertexPipelineStoresAndAtomics",
             Self::Timestamps => "timestamp queries",
@@ -205,6 +208,7 @@ impl Adapter {
                 Feature::SubgroupBallot => ballot,
                 Feature::TessellationShader => core.tessellation_shader == on,
                 Feature::GeometryShader => core.geometry_shader == on,
+                Feature::ClipDistance => core.shader_clip_distance == on,
                 Feature::LargePoints => {
                     [core.large_points, core.shader_tessellation_and_geometry_point_size] == [on; 2]
                         && basic.limits.point_size_range[1] >= 64.0

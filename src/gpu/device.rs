@@ -164,6 +164,7 @@ impl Gpu {
             .draw_indirect_first_instance(has(Feature::MultiDrawIndirect))
             .tessellation_shader(has(Feature::TessellationShader))
             .geometry_shader(has(Feature::GeometryShader))
+            .shader_clip_distance(has(Feature::ClipDistance))
             .large_points(has(Feature::LargePoints))
             .shader_tessellation_and_geometry_point_size(has(Feature::LargePoints))
             .vertex_pipeline_stores_and_atomics(has(Feature::VertexPipelineStores));

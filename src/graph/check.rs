@@ -94,6 +94,9 @@ pub(super) fn order(graph: &Graph) -> Result<()> {
                 bail!("pass {}: reads {} before any pass writes it", pass.name, graph.name(used.resource));
             }
         }
+        if let Some(resource) = pass.kept().find(|resource| !written.contains(&resource.index())) {
+            bail!("pass {}: renders over {} before any pass writes it", pass.name, graph.name(resource));
+        }
         for resource in &writes {
             if matches!(graph.slots[resource.index()].source, Source::ImportedBuffer(_) | Source::ImportedImage(_)) {
                 bail!("pass {}: writes {}, which is not the frame's own", pass.name, graph.name(*resource));

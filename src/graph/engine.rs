@@ -122,6 +122,11 @@ impl Engine {
         Ok(())
     }
 
+    /// The next frame starts anew: its [`Graph::history`] is zeros.
+    pub fn forget(&mut self) {
+        self.pool.forget();
+    }
+
     /// Runs a frame and waits for it.
     pub fn execute(&mut self, graph: &Graph, execution: &Execution) -> Result<FrameOutcome> {
         let preparing = trace::span("preparing");
@@ -223,6 +228,11 @@ impl Engine {
                 (resource, Source::Counted | Source::Zeroed) => {
                     let id = self.pool.buffer(&mut self.gpu, &slot.name, graph.bytes(resource), BufferKind::Device)?;
                     placed.zeroed.push(id);
+                    placed.buffers.insert(index, id);
+                }
+                (resource, Source::History) => {
+                    let (id, new) = self.pool.history(&mut self.gpu, &slot.name, graph.bytes(resource))?;
+                    placed.zeroed.extend(new.then_some(id));
                     placed.buffers.insert(index, id);
                 }
                 (Resource::Buffer(buffer), Source::Transient) => {

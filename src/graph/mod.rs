@@ -85,6 +85,8 @@ enum Source {
     Counted,
     /// From the pool, zeros when the frame begins.
     Zeroed,
+    /// What the frame before left in it, or zeros.
+    History,
     ImportedBuffer(BufferId),
     ImportedImage(ImageId),
     /// Outlives the frame, and passes may write it.
@@ -106,6 +108,8 @@ pub struct Graph {
     passes: Vec<Pass>,
     read_backs: Vec<Resource>,
     warming_up: bool,
+    /// Appended to the names of what is described; see [`Self::again`].
+    suffix: String,
 }
 
 /// A resource that the host gets after the frame; see [`FrameOutcome::bytes`].
@@ -128,8 +132,18 @@ impl Graph {
         self.warming_up
     }
 
+    /// Describes for the `time`th time what a frame has several times: from the second time on, all passes and resources are named
+    /// with `#` and the time behind, and so keep apart.
+    pub fn again<R>(&mut self, time: u32, describe: impl FnOnce(&mut Self) -> R) -> R {
+        let suffix = if time > 1 { format!("#{time}") } else { String::new() };
+        let outer = std::mem::replace(&mut self.suffix, suffix);
+        let described = describe(self);
+        self.suffix = outer;
+        described
+    }
+
     fn add(&mut self, name: &str, resource: Resource, element: Option<Element>, source: Source) {
-        self.slots.push(Slot { name: name.into(), resource, element, source });
+        self.slots.push(Slot { name: format!("{name}{}", self.suffix), resource, element, source });
     }
 
     /// An image that some pass writes before others read it.
@@ -172,6 +186,14 @@ impl Graph {
     pub fn zeroed<T: ShaderStruct>(&mut self, name: &str, count: u32) -> Buffer {
         let buffer = Buffer { index: self.slots.len() as u32, count };
         self.add(name, buffer.into(), Some(Element::of::<T>()), Source::Zeroed);
+        buffer
+    }
+
+    /// A buffer of `count` structs that holds what the frame before left in it, which had one of this name and size; zeros in the
+    /// first frame, and after [`Engine::forget`].
+    pub fn history<T: ShaderStruct>(&mut self, name: &str, count: u32) -> Buffer {
+        let buffer = Buffer { index: self.slots.len() as u32, count };
+        self.add(name, buffer.into(), Some(Element::of::<T>()), Source::History);
         buffer
     }
 

@@ -2,6 +2,8 @@
 
 use super::{Buffer, Element, Graph, Image, Resource, ShaderStruct};
 use crate::gpu::{BufferId, ImageId, Load, Sampler, ShaderAccess};
+use std::collections::BTreeSet;
+use std::sync::{Mutex, PoisonError};
 
 /// How many invocations or workgroups a dispatch has.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -148,6 +150,18 @@ impl ConstantValue for f32 {
     }
 }
 
+/// The same string for the same text: there are only so many names of passes.
+fn interned(name: String) -> &'static str {
+    static NAMES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+    let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = names.get(name.as_str()) {
+        return known;
+    }
+    let name: &'static str = name.leak();
+    names.insert(name);
+    name
+}
+
 /// A compute pass being declared; ends in [`Self::dispatch`] or [`Self::dispatch_groups`].
 #[must_use = "a pass does nothing until it is dispatched"]
 pub struct ComputePass<'g> {
@@ -157,8 +171,8 @@ pub struct ComputePass<'g> {
 
 impl<'g> ComputePass<'g> {
     pub(super) fn new(graph: &'g mut Graph, name: &'static str) -> Self {
-        let work = Work::Compute(Extent::Groups([0; 3]));
-        Self { graph, pass: Pass { name, shader: name, uses: Vec::new(), constants: Vec::new(), params: None, work } }
+        let pass = Pass::new(graph, name, Work::Compute(Extent::Groups([0; 3])));
+        Self { graph, pass }
     }
 
     declarations!();
@@ -190,8 +204,7 @@ pub struct RasterPass<'g> {
 
 impl<'g> RasterPass<'g> {
     pub(super) fn new(graph: &'g mut Graph, name: &'static str) -> Self {
-        let work = Work::Raster { color: Vec::new(), depth: None, draws: Vec::new() };
-        let pass = Pass { name, shader: name, uses: Vec::new(), constants: Vec::new(), params: None, work };
+        let pass = Pass::new(graph, name, Work::Raster { color: Vec::new(), depth: None, draws: Vec::new() });
         Self { graph, pass, color: Vec::new(), depth: None }
     }
 
@@ -200,6 +213,18 @@ impl<'g> RasterPass<'g> {
     /// Clears an image to a value and renders the fragment shader's output of this name into it.
     pub fn color(mut self, output: &'static str, image: Image, clear: [f32; 4]) -> Self {
         self.color.push(ColorTarget { output, image, load: Load::Clear(clear) });
+        self
+    }
+
+    /// Renders the fragment shader's output of this name over what an image holds.
+    pub fn color_over(mut self, output: &'static str, image: Image) -> Self {
+        self.color.push(ColorTarget { output, image, load: Load::Keep });
+        self
+    }
+
+    /// Tests against what a depth image holds; see [`Self::depth`].
+    pub fn depth_over(mut self, image: Image) -> Self {
+        self.depth = Some((image, Load::Keep));
         self
     }
 
@@ -217,6 +242,12 @@ impl<'g> RasterPass<'g> {
 }
 
 impl Pass {
+    fn new(graph: &Graph, name: &'static str, work: Work) -> Self {
+        let shader = name;
+        let name = if graph.suffix.is_empty() { name } else { interned(format!("{name}{}", graph.suffix)) };
+        Self { name, shader, uses: Vec::new(), constants: Vec::new(), params: None, work }
+    }
+
     /// All resources that it writes, attachments included.
     pub fn written(&self) -> Vec<Resource> {
         let mut written: Vec<Resource> = self.uses.iter().filter(|u| u.access != ShaderAccess::Read).map(|u| u.resource).collect();
@@ -225,6 +256,18 @@ impl Pass {
             written.extend(depth.iter().map(|(image, _)| Resource::from(*image)));
         }
         written
+    }
+}
+
+impl Pass {
+    /// Attachments that it renders over without clearing them.
+    pub fn kept(&self) -> impl Iterator<Item = Resource> {
+        let (color, depth) = match &self.work {
+            Work::Raster { color, depth, .. } => (color.as_slice(), *depth),
+            Work::Compute(_) => (&[][..], None),
+        };
+        let targets = color.iter().map(|target| (target.image, target.load)).chain(depth);
+        targets.filter(|(_, load)| matches!(load, Load::Keep)).map(|(image, _)| image.into())
     }
 }
 

@@ -22,6 +22,8 @@ pub(super) struct Pool {
     frame: u64,
     images: HashMap<(String, ImageDesc), Lent<ImageId>>,
     buffers: HashMap<(String, u64, BufferKind), Lent<BufferId>>,
+    /// Buffers whose contents stay from frame to frame, by name and size.
+    history: HashMap<(String, u64), Lent<BufferId>>,
 }
 
 impl Pool {
@@ -65,6 +67,26 @@ impl Pool {
         Ok(id)
     }
 
+    /// A buffer of this name and size that holds what the frame before left in it; beside it, whether there is no such thing and it
+    /// starts with zeros.
+    pub fn history(&mut self, gpu: &mut Gpu, name: &str, bytes: u64) -> Result<(BufferId, bool)> {
+        let key = (name.to_owned(), bytes);
+        if let Some(lent) = self.history.get_mut(&key) {
+            assert_ne!(lent.frame, self.frame, "two buffers of a frame have the name and size of {name}");
+            let kept = lent.frame + 1 == self.frame;
+            lent.frame = self.frame;
+            return Ok((lent.id, !kept));
+        }
+        let id = gpu.create_buffer(name, bytes)?;
+        self.history.insert(key, Lent { id, frame: self.frame });
+        Ok((id, true))
+    }
+
+    /// Forgets what frames have left for the next.
+    pub fn forget(&mut self) {
+        self.frame += 1;
+    }
+
     /// Frees what this frame did not use: a resize or another preset leaves nothing behind.
     pub fn trim(&mut self, gpu: &mut Gpu) {
         let frame = self.frame;
@@ -74,11 +96,13 @@ impl Pool {
                 false
             }
         });
-        self.buffers.retain(|_, lent| {
+        let mut in_use = |lent: &Lent<BufferId>| {
             lent.frame == frame || {
                 gpu.free_buffer(lent.id);
                 false
             }
-        });
+        };
+        self.buffers.retain(|_, lent| in_use(lent));
+        self.history.retain(|_, lent| in_use(lent));
     }
 }

@@ -7,7 +7,7 @@ use crate::graph::{Graph, Image};
 use crate::shader_struct;
 
 shader_struct! {
-    struct BilateralParams {
+    struct SeparableParams {
         radius: i32,
         min_cosine: f32,
         plane_distance: f32,
@@ -16,26 +16,28 @@ shader_struct! {
 
 /// Fills the slot with the config's kind. `interleave` is the size of the pattern that is to go.
 pub fn smooth(g: &mut Graph, gbuffer: &GBuffer, noisy: Image, interleave: u32, config: &FilterConfig) -> Image {
-    match config.kind {
-        FilterKind::None => noisy,
+    let (shader, radius) = match config.kind {
+        FilterKind::None => return noisy,
         // Without a pattern and without a wish there is nothing to smooth.
-        FilterKind::Bilateral if config.radius.unwrap_or(interleave) <= 1 => noisy,
-        FilterKind::Bilateral => bilateral(g, gbuffer, noisy, config.radius.unwrap_or(interleave), config),
-    }
+        _ if config.radius.unwrap_or(interleave) <= 1 => return noisy,
+        FilterKind::Bilateral => ("filter/bilateral", interleave),
+        FilterKind::Gaussian => ("filter/gaussian", 2 * interleave),
+    };
+    separable(g, gbuffer, noisy, shader, config.radius.unwrap_or(radius), config)
 }
 
-/// Depth- and normal-aware, first along rows, then along columns (Laine et al. 2007).
-fn bilateral(g: &mut Graph, gbuffer: &GBuffer, noisy: Image, radius: u32, config: &FilterConfig) -> Image {
+/// Depth- and normal-aware, first along rows, then along columns (Laine et al. 2007); the shader says how weights fall.
+fn separable(g: &mut Graph, gbuffer: &GBuffer, noisy: Image, shader: &'static str, radius: u32, config: &FilterConfig) -> Image {
     let rows = g.image("filter/rows", Format::Rgba16Float, gbuffer.size);
     let smoothed = g.image("filter/irradiance", Format::Rgba16Float, gbuffer.size);
-    let params = BilateralParams {
+    let params = SeparableParams {
         radius: radius as i32,
         min_cosine: config.normal_threshold_deg.to_radians().cos(),
         plane_distance: config.plane_distance,
     };
-    for (name, vertical, from, to) in [("filter/bilateral-rows", false, noisy, rows), ("filter/bilateral-columns", true, rows, smoothed)] {
+    for (name, vertical, from, to) in [("filter/rows", false, noisy, rows), ("filter/columns", true, rows, smoothed)] {
         g.compute(name)
-            .shader("filter/bilateral")
+            .shader(shader)
             .reads("view", gbuffer.view)
             .reads("depth", gbuffer.depth)
             .reads("normal", gbuffer.normal)

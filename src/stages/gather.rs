@@ -3,7 +3,7 @@
 use super::gbuffer::GBuffer;
 use super::visibility::Visibility;
 use super::vpls::Vpls;
-use crate::config::{Culling, GatherConfig, GatherMethod, Lookup};
+use crate::config::{Culling, Emitters, GatherConfig, GatherMethod, Lookup};
 use crate::gpu::Format;
 use crate::graph::{Buffer, Graph, Image};
 use crate::shader_struct;
@@ -15,6 +15,17 @@ shader_struct! {
         bias: f32,
         size: i32,
         columns: u32,
+    }
+
+    /// `glsl/gather/clusters.glsl`.
+    struct ClustersBlock {
+        far: f32,
+        bias: f32,
+        size: i32,
+    }
+
+    struct AddParams {
+        size: [i32; 2],
     }
 
     struct ClusterListParams {
@@ -35,11 +46,26 @@ shader_struct! {
 /// two turns for four VPLs.
 pub const MOST_VPLS_A_PIXEL: u64 = 100_000;
 
-/// Fills the slot with the config's method; the image holds indirect irradiance, W/m^2.
-pub fn indirect(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibility, config: &GatherConfig) -> Image {
-    match config.method {
-        GatherMethod::PerPixel => per_pixel(g, gbuffer, vpls, visibility, config),
-    }
+/// Fills the slot with the config's method; the image holds indirect irradiance, W/m^2, of all bounces' VPLs.
+pub fn indirect(g: &mut Graph, gbuffer: &GBuffer, lights: &[(Vpls, Visibility)], config: &GatherConfig) -> Image {
+    let of_bounce = |((vpls, visibility), time): (&(Vpls, Visibility), u32)| {
+        g.again(time, |g| match config.method {
+            GatherMethod::PerPixel => per_pixel(g, gbuffer, vpls, *visibility, config),
+        })
+    };
+    let images: Vec<Image> = lights.iter().zip(1..).map(of_bounce).collect();
+    images[1..].iter().zip(1..).fold(images[0], |sum, (image, time)| g.again(time, |g| add(g, sum, *image)))
+}
+
+fn add(g: &mut Graph, first: Image, second: Image) -> Image {
+    let sum = g.image("gather/sum", Format::Rgba16Float, first.size);
+    g.compute("gather/add")
+        .reads("first", first)
+        .reads("second", second)
+        .writes("irradiance", sum)
+        .params(&AddParams { size: first.size.map(|n| n as i32) })
+        .dispatch([first.size[0], first.size[1], 1]);
+    sum
 }
 
 /// VPLs that each pixel sums, at most.
@@ -62,9 +88,9 @@ fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibili
         Culling::None | Culling::Tiled => None,
     };
     let names = match config.culling {
-        Culling::None => ["gather/per-pixel", "gather/per-pixel-visible", "gather/per-pixel-ism"],
-        Culling::Tiled => ["gather/tiled", "gather/tiled-visible", "gather/tiled-ism"],
-        Culling::Clustered => ["gather/clustered", "gather/clustered-visible", "gather/clustered-ism"],
+        Culling::None => ["gather/per-pixel", "gather/per-pixel-visible", "gather/per-pixel-ism", "gather/per-pixel-clusters"],
+        Culling::Tiled => ["gather/tiled", "gather/tiled-visible", "gather/tiled-ism", "gather/tiled-clusters"],
+        Culling::Clustered => ["gather/clustered", "gather/clustered-visible", "gather/clustered-ism", "gather/clustered-clusters"],
     };
     let mut pass = match visibility {
         Visibility::None => g.compute(names[0]),
@@ -73,6 +99,15 @@ fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibili
             let block = IsmBlock { far: ism.far, bias: ism.bias, size: ism.size as i32, columns: ism.columns };
             let block = g.upload("gather/ism", &[block]);
             g.compute(names[2]).reads("ism", block).reads("maps", ism.maps).constant("BILINEAR", ism.lookup == Lookup::Bilinear)
+        }
+        Visibility::Clusters { clusters, bias, lookup } => {
+            let block = g.upload("gather/clusters-of-vpls", &[ClustersBlock { far: clusters.far, bias, size: clusters.size as i32 }]);
+            g.compute(names[3])
+                .reads("maps_of", block)
+                .reads("maps", clusters.distances)
+                .reads("clusters", clusters.clusters)
+                .reads("labels", clusters.labels)
+                .constant("BILINEAR", lookup == Lookup::Bilinear)
         }
     };
     if let Some(clusters) = clusters {
@@ -83,7 +118,9 @@ fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibili
         .reads("normal", gbuffer.normal)
         .reads("points", vpls.points)
         .reads("intensities", vpls.intensities)
+        .reads("areas", vpls.areas)
         .writes("irradiance", irradiance)
+        .constant("DISKS", config.emitters == Emitters::Disks)
         .constant("INTERLEAVE", n)
         .params(&PerPixelParams { count: vpls.count, squared_min_distance: config.min_distance * config.min_distance })
         .dispatch_groups([groups[0], groups[1], 1]);

@@ -1,6 +1,7 @@
 //! The slots of the frame: a module each, named as its folder of shaders. A method that fills a slot is a function with typed
 //! inputs and outputs; what a stage makes exists only as what it returns.
 
+pub mod bounce;
 pub mod compose;
 pub mod direct;
 pub mod filter;
@@ -23,7 +24,7 @@ pub struct Method {
 /// Every method there is.
 pub const METHODS: &[Method] = {
     use Feature::{
-        FilteredRg32Float, GeometryShader, LargePoints, LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters, Snorm16Images,
+        ClipDistance, FilteredRg32Float, GeometryShader, LargePoints, LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters, Snorm16Images,
         SubgroupBallot, TessellationShader, VertexPipelineStores,
     };
     const fn method(slot: &'static str, name: &'static str, needs: &'static [Feature]) -> Method {
@@ -33,9 +34,14 @@ pub const METHODS: &[Method] = {
         method("gbuffer", "draw", &[MultiDrawIndirect, ShaderDrawParameters, Snorm16Images]),
         method("rsm", "draw", &[MultiDrawIndirect, ShaderDrawParameters, LayerFromVertexShader, Snorm16Images]),
         method("vpls.sampler", "regular", &[]),
+        method("vpls.sampler", "hammersley", &[]),
+        method("bounce.layers", "instanced", &[MultiDrawIndirect, ShaderDrawParameters, ClipDistance, LayerFromVertexShader, Snorm16Images]),
+        method("bounce.layers", "geometry-shader", &[MultiDrawIndirect, ShaderDrawParameters, ClipDistance, GeometryShader, Snorm16Images]),
+        method("bounce.layers", "per-layer", &[MultiDrawIndirect, ShaderDrawParameters, ClipDistance, LayerFromVertexShader, Snorm16Images]),
         method("visibility.method", "none", &[]),
         method("visibility.method", "ray-traced", &[]),
         method("visibility.method", "imperfect-shadow-maps", &[]),
+        method("visibility.method", "clusters", &[]),
         method("visibility.points", "uniform", &[]),
         method("visibility.points", "adaptive", &[]),
         method("visibility.collect", "compute", &[]),
@@ -47,6 +53,7 @@ pub const METHODS: &[Method] = {
         method("gather.culling", "tiled", &[]),
         method("gather.culling", "clustered", &[]),
         method("filter.kind", "bilateral", &[]),
+        method("filter.kind", "gaussian", &[]),
         method("filter.kind", "none", &[]),
         method("direct.shadows", "variance", &[FilteredRg32Float]),
         method("direct.shadows", "percentage-closer", &[]),
@@ -58,6 +65,9 @@ pub const METHODS: &[Method] = {
         method("reference", "path", &[]),
     ]
 };
+
+/// Slots that are in use only where VPLs are put into clusters.
+pub const OF_CLUSTERS: &[&str] = &["bounce.layers"];
 
 /// Slots that are in use only where VPLs have imperfect shadow maps.
 pub const OF_MAPS: &[&str] = &["visibility.points", "visibility.collect", "visibility.renderer"];

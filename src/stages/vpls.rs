@@ -14,7 +14,7 @@ shader_struct! {
         pub normal: u32,
     }
 
-    struct RegularParams {
+    struct TexelParams {
         size: [u32; 2],
         lights: u32,
         count: u32,
@@ -28,21 +28,28 @@ pub struct Vpls {
     pub points: Buffer,
     /// Radiant intensity along the normal, W/sr, RGB.
     pub intensities: Buffer,
+    /// Of the surface that each stands for, m^2.
+    pub areas: Buffer,
 }
 
 /// Fills the slot with the config's sampler.
 pub fn sample(g: &mut Graph, rsm: &Rsm, _gbuffer: &GBuffer, config: &VplsConfig) -> Vpls {
     match config.sampler {
-        VplSampler::Regular => regular(g, rsm, config.count),
+        VplSampler::Regular => from_texels(g, "vpls/regular", rsm, config.count),
+        VplSampler::Hammersley => from_texels(g, "vpls/hammersley", rsm, config.count),
     }
 }
 
-/// A regular pattern over each light's map, in the order of a fixed permutation. Counts `vpls/lit`, those that have flux.
-fn regular(g: &mut Graph, rsm: &Rsm, count: u32) -> Vpls {
-    let vpls =
-        Vpls { count, points: g.buffer::<VplPoint>("vpls/points", count), intensities: g.buffer::<[f32; 3]>("vpls/intensities", count) };
+/// Texels of each light's map, in the order of a fixed permutation; the pass says which. Counts `vpls/lit`, VPLs that have flux.
+fn from_texels(g: &mut Graph, pass: &'static str, rsm: &Rsm, count: u32) -> Vpls {
+    let vpls = Vpls {
+        count,
+        points: g.buffer::<VplPoint>("vpls/points", count),
+        intensities: g.buffer::<[f32; 3]>("vpls/intensities", count),
+        areas: g.buffer::<f32>("vpls/areas", count),
+    };
     let lit = g.count("vpls/lit");
-    g.compute("vpls/regular")
+    g.compute(pass)
         .reads("lights", rsm.lights)
         .reads("rsm_depth", rsm.depth)
         .reads("rsm_normal", rsm.normal)
@@ -50,8 +57,9 @@ fn regular(g: &mut Graph, rsm: &Rsm, count: u32) -> Vpls {
         .reads("rsm_albedo", rsm.albedo)
         .writes("points", vpls.points)
         .writes("intensities", vpls.intensities)
+        .writes("areas", vpls.areas)
         .updates("lit", lit)
-        .params(&RegularParams { size: rsm.size, lights: rsm.layers, count })
+        .params(&TexelParams { size: rsm.size, lights: rsm.layers, count })
         .dispatch([count, 1, 1]);
     vpls
 }

@@ -243,6 +243,27 @@ fn light_is_as_much_as_with_exact_visibility() {
 }
 
 #[test]
+fn single_pixels_of_adaptive_points_err_half_as_much_as_splats_at_most() {
+    let mut config = Config::default();
+    config.frame.size = [240, 135];
+    maps_of_points(&mut config);
+    config.vpls.count = 1024;
+    config.visibility.point_count = 326_000;
+    let mut renderer = traced(load_scene(&config.scene).unwrap().0);
+    let truth = truth(&mut renderer, &config);
+    let mut error = |points, kind| {
+        let mut config = config.clone();
+        (config.visibility.points, config.visibility.renderer) = (points, kind);
+        against_rays(&mut renderer, &config, &truth, 1).0
+    };
+    let adaptive = error(PointSet::Adaptive, IsmRenderer::SinglePixel);
+    let splats = error(PointSet::Uniform, IsmRenderer::Splat);
+    println!("adaptive {adaptive:.4}, splats {splats:.4}");
+    assert!(adaptive < 0.5 * splats, "adaptive {adaptive}, splats {splats}");
+    finish(renderer.gpu());
+}
+
+#[test]
 fn more_points_and_then_larger_maps_are_nearer_to_exact_visibility() {
     let (host, mut config) = builtin(Builtin::Cornell);
     config.vpls.count = 64;

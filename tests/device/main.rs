@@ -1,6 +1,7 @@
 //! What the engine does on a device: the software driver, with the validation layer and its synchronization validation on.
 
 mod animation;
+mod bounce;
 mod bvh;
 mod common;
 mod culling;

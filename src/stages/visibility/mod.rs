@@ -10,8 +10,9 @@ pub use ism::{Ism, partition_capacity};
 pub use ray_traced::BITS;
 
 use super::gbuffer::GBuffer;
+use super::bounce::{Bounce, Clusters};
 use super::vpls::Vpls;
-use crate::config::{VisibilityConfig, VisibilityMethod};
+use crate::config::{Config, Lookup, VisibilityConfig, VisibilityMethod};
 use crate::graph::{Graph, Image};
 use crate::scene::device::{DeviceScene, SceneHandles};
 use crate::scene::traced::TracedHandles;
@@ -25,6 +26,8 @@ pub enum Visibility {
     Bits(Image),
     /// A small map a VPL.
     Ism(Ism),
+    /// A map a cluster of VPLs; the bias is in widths of a texel.
+    Clusters { clusters: Clusters, bias: f32, lookup: Lookup },
 }
 
 /// What a method may look at.
@@ -40,12 +43,23 @@ pub struct Surroundings<'f> {
     pub seed: u32,
 }
 
-/// Fills the slot with the config's method.
-pub fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Visibility {
-    match (config.method, around.traced) {
-        (VisibilityMethod::None, _) => Visibility::None,
-        (VisibilityMethod::RayTraced, Some(traced)) => ray_traced::render(g, traced, around.gbuffer, vpls, around.interleave),
-        (VisibilityMethod::RayTraced, None) => unreachable!("the scene was brought without what rays need"),
-        (VisibilityMethod::ImperfectShadowMaps, _) => ism::render(g, around, vpls, config),
+/// The VPLs of each bounce, with what they see: fills the slot with the config's method for the first ones, and with
+/// `bounce.visibility` for the others.
+pub fn render(g: &mut Graph, around: Surroundings<'_>, bounces: &[Bounce], config: &Config) -> Vec<(Vpls, Visibility)> {
+    let of_bounce = |((bounce, method), time): ((&Bounce, VisibilityMethod), u32)| {
+        (bounce.vpls, g.again(time, |g| of_vpls(g, around, bounce, method, &config.visibility)))
+    };
+    bounces.iter().zip(config.visibility_methods()).zip(1..).map(of_bounce).collect()
+}
+
+fn of_vpls(g: &mut Graph, around: Surroundings<'_>, bounce: &Bounce, method: VisibilityMethod, config: &VisibilityConfig) -> Visibility {
+    let vpls = &bounce.vpls;
+    match (method, around.traced, bounce.clusters) {
+        (VisibilityMethod::None, ..) => Visibility::None,
+        (VisibilityMethod::RayTraced, Some(traced), _) => ray_traced::render(g, traced, around.gbuffer, vpls, around.interleave),
+        (VisibilityMethod::RayTraced, None, _) => unreachable!("the scene was brought without what rays need"),
+        (VisibilityMethod::ImperfectShadowMaps, ..) => ism::render(g, around, vpls, config),
+        (VisibilityMethod::Clusters, _, Some(clusters)) => Visibility::Clusters { clusters, bias: config.bias, lookup: config.lookup },
+        (VisibilityMethod::Clusters, _, None) => unreachable!("clusters are made where they say what is seen"),
     }
 }

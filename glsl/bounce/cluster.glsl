@@ -1,0 +1,10 @@
+// A cluster of VPLs: the place that its map is rendered from and that its light is bounced on from.
+struct Cluster {
+    vec3 position;
+    uint normal;  // octahedral_snorm16
+    vec3 flux;    // that its VPLs reflect, W
+    uint members;
+};
+
+const uint MOST_CLUSTERS = 64u;
+const uint NO_CLUSTER = 0xffffffffu; // of VPLs without light

@@ -1,0 +1,232 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Clusters of VPLs by place and normal (Aranha et al., section III-B; the distance is Dong et al.'s, with the sign that its purpose
+// asks for). One workgroup: VPLs are shared out among its invocations for the distances, clusters and parts of the VPLs for the
+// sums, whose order is fixed.
+#include "bounce/cluster.glsl"
+#include "lib/packing.glsl"
+#include "lib/random.glsl"
+#include "lib/vpl.glsl"
+
+const uint INVOCATIONS = 256u;
+layout(local_size_x = 256) in;
+layout(constant_id = 0) const bool RESEED = false;       // every frame starts from other centres
+layout(constant_id = 1) const bool NEAREST_MEMBER = true; // stands for its cluster, not the mean
+
+layout(scalar, push_constant) uniform Params {
+    uint count;     // VPLs
+    uint clusters;
+    uint rounds;    // at most
+    uint first_rounds; // where centres are new
+    float place_weight; // w1 over the scene's diagonal
+    float normal_weight; // w2
+    uint seed;
+} params;
+
+// What stays from frame to frame; all zeros at first.
+struct Centre {
+    vec3 position;
+    vec3 normal;
+};
+
+layout(scalar) readonly buffer Points { VplPoint at[]; } points;
+layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
+layout(scalar) buffer Centres { Centre at[]; } centres;
+layout(scalar) buffer Frames { uint count; } frames; // that have had centres
+layout(scalar) coherent buffer Labels { uint at[]; } labels;
+layout(scalar) writeonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) buffer Rounds { uint count; } rounds;
+
+const float PI = 3.14159265358979;
+
+shared vec3 place[MOST_CLUSTERS];
+shared vec3 facing[MOST_CLUSTERS];
+shared uint members[MOST_CLUSTERS];
+shared vec4 sums[INVOCATIONS];
+shared vec3 more_sums[INVOCATIONS];
+shared uint numbers[INVOCATIONS];
+shared uint hashes[INVOCATIONS];
+shared bool moved;
+
+bool is_lit(uint i) { return any(greaterThan(intensities.at[i], vec3(0.0))); }
+
+vec3 normal_of(uint i) { return octahedral_snorm16_inverse(points.at[i].normal); }
+
+float distance_to(uint cluster, vec3 position, vec3 normal) {
+    return params.place_weight * distance(position, place[cluster]) + params.normal_weight * (1.0 - max(dot(normal, facing[cluster]), 0.0));
+}
+
+// Parts that the VPLs are cut into, and an invocation's: those beyond the last have none.
+uint parts() { return INVOCATIONS / params.clusters; }
+
+void main() {
+    uint me = gl_LocalInvocationIndex, k = params.clusters;
+    uint mine = me % k, part = me / k, length = (params.count + parts() - 1u) / parts();
+    uint begin = min(part * length, params.count), end = part < parts() ? min(begin + length, params.count) : begin;
+
+    bool fresh = RESEED || frames.count == 0u;
+    if (fresh) {
+        // A VPL with light at random for each cluster: the one with the least hash. Two may be the same; one of them is soon empty.
+        uint least = 0xffffffffu, chosen = NO_CLUSTER;
+        for (uint i = begin; i < end; i++) {
+            uint hash = pcg4d(uvec4(i, mine, RESEED ? frames.count : 0u, params.seed)).x;
+            if (is_lit(i) && (chosen == NO_CLUSTER || hash < least)) {
+                least = hash;
+                chosen = i;
+            }
+        }
+        numbers[me] = chosen;
+        hashes[me] = least;
+        barrier();
+        if (me < k) {
+            chosen = NO_CLUSTER;
+            for (uint p = 0u; p < parts(); p++) {
+                uint other = numbers[p * k + me];
+                if (other == NO_CLUSTER) continue;
+                uint hash = hashes[p * k + me];
+                if (chosen == NO_CLUSTER || hash < least) {
+                    least = hash;
+                    chosen = other;
+                }
+            }
+            place[me] = chosen == NO_CLUSTER ? vec3(0.0) : points.at[chosen].position;
+            facing[me] = chosen == NO_CLUSTER ? vec3(0.0, 1.0, 0.0) : normal_of(chosen);
+        }
+    } else if (me < k) {
+        place[me] = centres.at[me].position;
+        facing[me] = centres.at[me].normal;
+    }
+    barrier();
+
+    uint most = frames.count == 0u ? params.first_rounds : params.rounds;
+    if (RESEED) most = params.rounds;
+    uint round = 0u;
+    for (; round < most; round++) {
+        if (me == 0u) moved = round == 0u;
+        barrier();
+        float farthest = 0.0;
+        uint far = NO_CLUSTER;
+        for (uint i = me; i < params.count; i += INVOCATIONS) {
+            uint nearest = NO_CLUSTER;
+            float least = 0.0;
+            if (is_lit(i)) {
+                vec3 position = points.at[i].position, normal = normal_of(i);
+                for (uint j = 0u; j < k; j++) {
+                    float d = distance_to(j, position, normal);
+                    if (nearest == NO_CLUSTER || d < least) {
+                        least = d;
+                        nearest = j;
+                    }
+                }
+            }
+            if (labels.at[i] != nearest) moved = true;
+            labels.at[i] = nearest;
+            if (least > farthest) {
+                farthest = least;
+                far = i;
+            }
+        }
+        memoryBarrierBuffer();
+        barrier();
+        if (!moved) break;
+
+        vec4 sum = vec4(0.0);
+        vec3 more = vec3(0.0);
+        for (uint i = begin; i < end; i++) {
+            if (labels.at[i] == mine) {
+                sum += vec4(points.at[i].position, 1.0);
+                more += normal_of(i);
+            }
+        }
+        sums[me] = sum;
+        more_sums[me] = more;
+        barrier();
+        if (me < k) {
+            sum = vec4(0.0);
+            more = vec3(0.0);
+            for (uint p = 0u; p < parts(); p++) {
+                sum += sums[p * k + me];
+                more += more_sums[p * k + me];
+            }
+            members[me] = uint(sum.w);
+            if (sum.w > 0.0) {
+                place[me] = sum.xyz / sum.w;
+                // Normals that cancel leave the last one.
+                if (dot(more, more) > 1e-12) facing[me] = normalize(more);
+            }
+        }
+        barrier();
+        numbers[me] = far;
+        sums[me].x = farthest;
+        barrier();
+        // An empty cluster takes the VPL that is farthest from its own: one a round.
+        if (me == 0u) {
+            uint empty = NO_CLUSTER;
+            for (uint j = 0u; j < k; j++) {
+                if (empty == NO_CLUSTER && members[j] == 0u) empty = j;
+            }
+            if (empty != NO_CLUSTER) {
+                farthest = 0.0;
+                far = NO_CLUSTER;
+                for (uint i = 0u; i < INVOCATIONS; i++) {
+                    if (sums[i].x > farthest || (sums[i].x == farthest && far != NO_CLUSTER && numbers[i] < far)) {
+                        farthest = sums[i].x;
+                        far = numbers[i];
+                    }
+                }
+                if (far != NO_CLUSTER) {
+                    place[empty] = points.at[far].position;
+                    facing[empty] = normal_of(far);
+                }
+            }
+        }
+        barrier();
+    }
+    if (me == 0u) {
+        atomicAdd(rounds.count, round);
+        frames.count = max(frames.count + 1u, 1u);
+    }
+
+    // What stands for each cluster, and its flux.
+    float least = 0.0;
+    uint chosen = NO_CLUSTER, held = 0u;
+    vec3 flux = vec3(0.0);
+    for (uint i = begin; i < end; i++) {
+        if (labels.at[i] != mine) continue;
+        held++;
+        flux += PI * intensities.at[i];
+        float d = distance_to(mine, points.at[i].position, normal_of(i));
+        if (chosen == NO_CLUSTER || d < least) {
+            least = d;
+            chosen = i;
+        }
+    }
+    barrier();
+    sums[me] = vec4(flux, least);
+    more_sums[me].x = float(held);
+    numbers[me] = chosen;
+    barrier();
+    if (me >= k) return;
+    Cluster cluster = Cluster(vec3(0.0), 0u, vec3(0.0), 0u);
+    chosen = NO_CLUSTER;
+    for (uint p = 0u; p < parts(); p++) {
+        uint other = p * k + me;
+        cluster.flux += sums[other].rgb;
+        cluster.members += uint(more_sums[other].x);
+        if (numbers[other] != NO_CLUSTER && (chosen == NO_CLUSTER || sums[other].w < least)) {
+            least = sums[other].w;
+            chosen = numbers[other];
+        }
+    }
+    if (chosen != NO_CLUSTER) {
+        cluster.position = place[me];
+        cluster.normal = octahedral_snorm16(facing[me]);
+        if (NEAREST_MEMBER) {
+            cluster.position = points.at[chosen].position;
+            cluster.normal = points.at[chosen].normal;
+        }
+    }
+    clusters.at[me] = cluster;
+    centres.at[me] = Centre(place[me], facing[me]);
+}

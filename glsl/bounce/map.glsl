@@ -1,0 +1,19 @@
+// How a cluster's map shows the scene: paraboloid (Heidrich and Seidel 1998), its centre along the normal.
+#include "bounce/cluster.glsl"
+#include "lib/packing.glsl"
+#include "lib/paraboloid.glsl"
+
+// A world position in a cluster's space: across, up, along the normal.
+vec3 map_space(Cluster cluster, vec3 world) {
+    return (world - cluster.position) * hemisphere(octahedral_snorm16_inverse(cluster.normal));
+}
+
+// Clip position: w is what the projection divides by, so that edges run straight from one corner's place to the other's, however
+// far behind the cluster one of them lies. The depth falls with the distance.
+vec4 map_clip(vec3 local, float far) {
+    float d = length(local), w = d + local.z;
+    return vec4(local.xy, (1.0 - d / far) * w, w);
+}
+
+// Height above the cluster's plane from which on things are in the map; in units of the distance that the maps end at.
+const float LEAST_HEIGHT = 1e-5;

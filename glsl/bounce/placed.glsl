@@ -1,0 +1,31 @@
+// A vertex that its own stage sends to a layer. Whoever includes it defines
+//     uint layer_of();
+#include "bounce/vertex.glsl"
+
+layout(location = 0) out vec3 out_local;
+layout(location = 1) out vec2 out_uv;
+layout(location = 2) out vec4 out_color;
+layout(location = 3) flat out uint out_cluster;
+
+layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+
+out gl_PerVertex {
+    vec4 gl_Position;
+    float gl_ClipDistance[1];
+};
+
+uint layer_of();
+
+void main() {
+    uint layer = layer_of();
+    vec3 world = draws.at[gl_BaseInstance].transform * vec4(position, 1.0);
+    vec3 local = map_space(clusters.at[layer], world);
+    gl_Layer = int(layer);
+    gl_Position = map_clip(local, params.far);
+    gl_ClipDistance[0] = local.z - LEAST_HEIGHT * params.far;
+    out_local = local;
+    out_uv = uv;
+    out_color = vec4(1.0);
+    if (VERTEX_COLOR) out_color = color;
+    out_cluster = layer;
+}

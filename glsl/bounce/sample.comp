@@ -1,0 +1,78 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// VPLs where the light of clusters falls: samples of their maps, over the unit disk or, as a rival, the square around it (Aranha et
+// al., section III-C). A cluster radiates its flux by the cosine; a sample stands for its share of the disk's area, of the
+// solid angle 4 / (1 + r^2)^2 times that.
+#include "bounce/map.glsl"
+#include "lib/hammersley.glsl"
+#include "lib/permutation.glsl"
+#include "lib/vpl.glsl"
+
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const bool DISK = true;
+
+layout(scalar, push_constant) uniform Params {
+    uint count;    // VPLs
+    uint clusters;
+    int size;      // of a map
+    float far;     // metres
+} params;
+
+layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+uniform sampler2DArray distances;
+uniform sampler2DArray normals;
+uniform sampler2DArray albedos;
+layout(scalar) writeonly buffer Points { VplPoint at[]; } points;
+layout(scalar) writeonly buffer Intensities { vec3 at[]; } intensities;
+layout(scalar) writeonly buffer Areas { float at[]; } areas;
+layout(scalar) buffer Wasted { uint count; } wasted; // samples beside the disk
+layout(scalar) buffer Lit { uint count; } lit;
+
+const float PI = 3.14159265358979;
+
+void main() {
+    uint index = gl_GlobalInvocationID.x;
+    if (index >= params.count) return;
+    // So that pixels' sample sets get some of every cluster's.
+    uint sample_index = permutation(index, params.count);
+    // The first clusters get what the division leaves over.
+    uint share = params.count / params.clusters, rest = params.count % params.clusters;
+    uint larger = (share + 1u) * rest;
+    uint number = sample_index < larger ? sample_index / (share + 1u) : rest + (sample_index - larger) / max(share, 1u);
+    uint count = share + uint(number < rest);
+    vec2 u = hammersley(sample_index - (number * share + min(number, rest)), count);
+    vec2 p = 2.0 * u - 1.0;
+    float area = 4.0 / float(count);
+    if (DISK) {
+        p = sqrt(u.x) * vec2(cos(2.0 * PI * u.y), sin(2.0 * PI * u.y));
+        area = PI / float(count);
+    }
+
+    VplPoint point = VplPoint(vec3(0.0), 0u);
+    vec3 intensity = vec3(0.0);
+    float stands_for = 0.0;
+    float squared = dot(p, p);
+    if (squared >= 1.0) {
+        atomicAdd(wasted.count, 1u);
+    } else {
+        Cluster cluster = clusters.at[number];
+        ivec3 texel = ivec3(clamp(ivec2((p * 0.5 + 0.5) * float(params.size)), ivec2(0), ivec2(params.size - 1)), number);
+        float d = texelFetch(distances, texel, 0).r;
+        if (d < 1.0 && cluster.members > 0u) {
+            mat3 axes = hemisphere(octahedral_snorm16_inverse(cluster.normal));
+            vec3 along = axes * paraboloid_inverse((vec2(texel.xy) + 0.5) * (2.0 / float(params.size)) - 1.0);
+            vec3 normal = octahedral_inverse(texelFetch(normals, texel, 0).xy);
+            d *= params.far;
+            point.position = cluster.position + along * d;
+            point.normal = octahedral_snorm16(normal);
+            float cosine = (1.0 - squared) / (1.0 + squared), solid_angle = 4.0 * area / ((1.0 + squared) * (1.0 + squared));
+            intensity = cluster.flux * (cosine * solid_angle / PI) * texelFetch(albedos, texel, 0).rgb / PI;
+            stands_for = solid_angle * d * d / max(-dot(normal, along), LEAST_COSINE);
+        }
+    }
+    points.at[index] = point;
+    intensities.at[index] = intensity;
+    areas.at[index] = stands_for;
+    if (any(greaterThan(intensity, vec3(0.0)))) atomicAdd(lit.count, 1u);
+}

@@ -1,0 +1,62 @@
+// What a texel of a cluster's map holds: distance, geometric normal turned to the cluster, and albedo (Aranha et al., section III-C).
+#include "bounce/map.glsl"
+#include "lib/scene.glsl"
+
+layout(constant_id = 1) const bool BASE_COLOR_MAP = false;
+layout(constant_id = 2) const bool METALLIC_ROUGHNESS_MAP = false;
+layout(constant_id = 4) const bool MASKED = false;
+layout(constant_id = 5) const bool VERTEX_COLOR = false;
+
+layout(location = 0) in vec3 in_local;
+layout(location = 1) in vec2 in_uv;
+layout(location = 2) in vec4 in_color;
+layout(location = 3) flat in uint in_cluster;
+
+layout(location = 0) out float distances;
+layout(location = 1) out vec2 normal;
+layout(location = 2) out vec4 albedo;
+
+layout(scalar, push_constant) uniform Params {
+    float far;        // metres
+    float texel_size; // in [-1, 1]
+    float albedo_lod; // added to the mip level, so that the albedo is the mean over the area that a VPL stands for
+    uint layer;       // where a layer is drawn at a time
+    uint layers;
+} params;
+
+layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) uniform MaterialBlock { Material it; } material_block;
+uniform sampler2DArray base_color_map;
+uniform sampler2DArray metallic_roughness_map;
+
+void main() {
+    Material material = material_block.it;
+    vec4 base = material.base_color;
+    if (VERTEX_COLOR) base *= in_color;
+    vec3 tint = base.rgb;
+    if (BASE_COLOR_MAP) {
+        vec3 coordinates = map_coordinates(material.base_color_map, in_uv);
+        tint *= texture(base_color_map, coordinates, params.albedo_lod).rgb;
+        if (MASKED) base.a *= texture(base_color_map, coordinates).a;
+    }
+    float metallic = material.metallic;
+    if (METALLIC_ROUGHNESS_MAP) {
+        metallic *= texture(metallic_roughness_map, map_coordinates(material.metallic_roughness_map, in_uv), params.albedo_lod).b;
+    }
+
+    // Edges bend, and with them what is interpolated; but it bends within the triangle's plane, which says how far off it is along the
+    // texel's own direction.
+    vec3 along = paraboloid_inverse(gl_FragCoord.xy * params.texel_size - 1.0);
+    vec3 n = normalize(cross(dFdx(in_local), dFdy(in_local)));
+    float d = length(in_local), exact = dot(n, in_local) / dot(n, along);
+    // Flat on to the view, or too small for its derivatives.
+    if (exact > 0.5 * d && exact < 2.0 * d) d = exact;
+    bool turned = dot(n, along) > 0.0;
+    if (any(isnan(n))) n = -along;
+    mat3 axes = hemisphere(octahedral_snorm16_inverse(clusters.at[in_cluster].normal));
+    bool lit = gl_FrontFacing || material.double_sided != 0u;
+    distances = d / params.far;
+    normal = octahedral(axes * (turned ? -n : n));
+    albedo = vec4(lit ? tint * (1.0 - metallic) : vec3(0.0), 1.0);
+    if (MASKED && base.a < material.alpha_cutoff) discard;
+}

