@@ -51,7 +51,7 @@ void main() {
 
     VplPoint point = VplPoint(vec3(0.0), 0u);
     vec3 intensity = vec3(0.0);
-    float stands_for = 0.0;
+    float beam = 0.0;
     float squared = dot(p, p);
     if (squared >= 1.0) {
         atomicAdd(wasted.count, 1u);
@@ -62,17 +62,16 @@ void main() {
         if (d < 1.0 && cluster.members > 0u) {
             mat3 axes = hemisphere(octahedral_snorm16_inverse(cluster.normal));
             vec3 along = axes * paraboloid_inverse((vec2(texel.xy) + 0.5) * (2.0 / float(params.size)) - 1.0);
-            vec3 normal = octahedral_inverse(texelFetch(normals, texel, 0).xy);
             d *= params.far;
             point.position = cluster.position + along * d;
-            point.normal = octahedral_snorm16(normal);
+            point.normal = octahedral_snorm16(octahedral_inverse(texelFetch(normals, texel, 0).xy));
             float cosine = (1.0 - squared) / (1.0 + squared), solid_angle = 4.0 * area / ((1.0 + squared) * (1.0 + squared));
             intensity = cluster.flux * (cosine * solid_angle / PI) * texelFetch(albedos, texel, 0).rgb / PI;
-            stands_for = solid_angle * d * d / max(-dot(normal, along), LEAST_COSINE);
+            beam = solid_angle * d * d;
         }
     }
     points.at[index] = point;
     intensities.at[index] = intensity;
-    areas.at[index] = stands_for;
+    areas.at[index] = beam;
     if (any(greaterThan(intensity, vec3(0.0)))) atomicAdd(lit.count, 1u);
 }

@@ -36,8 +36,10 @@ Shadow shadow_of(uint vpl, vec3 position, vec3 facing) {
 float lit(Shadow shadow, vec3 way, float squared, float from, float to) {
     vec3 to_cluster = way + shadow.moved;
     float d = length(to_cluster);
-    // What lies behind the cluster's plane is compared with the map's rim.
-    float height = max(-dot(cross(shadow.across, shadow.up), to_cluster), 0.0);
+    // What lies behind the cluster's plane, and before its VPL's, is compared with the map's rim, the less so the farther behind: VPLs of a
+    // bent surface, such as a column, would all lose what their cluster's place cannot see.
+    float above = -dot(cross(shadow.across, shadow.up), to_cluster), height = max(above, 0.0);
+    float known = clamp(1.0 + 2.0 * above / max(d, 1e-12), 0.0, 1.0);
     vec2 p = vec2(dot(shadow.across, to_cluster), dot(shadow.up, to_cluster)) / -max(d + height, 1e-12);
     float size = float(maps_of.size);
     vec2 at = (p * 0.5 + 0.5) * size;
@@ -54,8 +56,8 @@ float lit(Shadow shadow, vec3 way, float squared, float from, float to) {
         vec4 open = vec4(greaterThanEqual(nearest * unit, vec4(hidden)));
         vec2 within = at - vec2(low);
         vec2 rows = mix(open.xz, open.yw, within.x);
-        return mix(rows.x, rows.y, within.y);
+        return mix(1.0, mix(rows.x, rows.y, within.y), known);
     }
     ivec2 texel = clamp(ivec2(at), ivec2(0), ivec2(maps_of.size - 1));
-    return imageLoad(maps, ivec3(texel, shadow.layer)).r * unit >= hidden ? 1.0 : 0.0;
+    return imageLoad(maps, ivec3(texel, shadow.layer)).r * unit >= hidden ? 1.0 : 1.0 - known;
 }

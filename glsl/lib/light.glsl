@@ -84,11 +84,6 @@ float texel_beam(Light light, vec2 ndc, vec3 position) {
     return texel_solid_angle(light.texel_area, t) * dot(way, way);
 }
 
-// The way that light travels to a point of the map.
-vec3 light_way(Light light, vec3 position) {
-    return light.kind == DIRECTIONAL ? light.direction : normalize(position - light.origin);
-}
-
 // Irradiance on a surface that faces the light, from it alone and unshadowed.
 vec3 light_irradiance(Light light, vec3 position, out vec3 to_light) {
     if (light.kind == DIRECTIONAL) {

@@ -3,6 +3,3 @@ struct VplPoint {
     vec3 position;
     uint normal; // octahedral_snorm16
 };
-
-// The least cosine to the beam that makes a VPL which stands for the area of it: grazing beams light strips, no disks.
-const float LEAST_COSINE = 0.1;

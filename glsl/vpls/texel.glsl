@@ -44,10 +44,8 @@ void put(uint index, ivec3 at, float texels) {
     if (depth > 0.0) {
         vec2 ndc = (vec2(at.xy) + 0.5) / vec2(params.size) * 2.0 - 1.0;
         point.position = light_position(lights.at[at.z], ndc, depth);
-        vec3 normal = octahedral_inverse(texelFetch(rsm_normal, at, 0).xy);
-        point.normal = octahedral_snorm16(normal);
-        float cosine = -dot(normal, light_way(lights.at[at.z], point.position));
-        area = texels * texel_beam(lights.at[at.z], ndc, point.position) / max(cosine, LEAST_COSINE);
+        point.normal = octahedral_snorm16(octahedral_inverse(texelFetch(rsm_normal, at, 0).xy));
+        area = texels * texel_beam(lights.at[at.z], ndc, point.position);
         intensity = texelFetch(rsm_flux, at, 0).rgb * texelFetch(rsm_albedo, at, 0).rgb * (texels / PI);
     }
     points.at[index] = point;

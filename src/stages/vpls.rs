@@ -28,7 +28,7 @@ pub struct Vpls {
     pub points: Buffer,
     /// Radiant intensity along the normal, W/sr, RGB.
     pub intensities: Buffer,
-    /// Of the surface that each stands for, m^2.
+    /// Of the beam that each stands for, across it, m^2: how large a disk it shines as ([`Emitters::Disks`](crate::config::Emitters)).
     pub areas: Buffer,
 }
 
