@@ -62,7 +62,7 @@ struct Vpl {
     vec3 position;
     vec3 facing;
     vec3 intensity;
-    float spread; // square of a disk's radius
+    float spread; // square of a disk's radius, which fits into the square of the area
     Shadow shadow;
 };
 
@@ -71,7 +71,7 @@ Vpl vpl(uint index, bool there) {
     VplPoint point = points.at[index];
     vec3 facing = octahedral_snorm16_inverse(point.normal);
     float spread = 0.0;
-    if (DISKS) spread = areas.at[index] / 3.14159265358979;
+    if (DISKS) spread = 0.25 * areas.at[index];
     return Vpl(point.position, facing, there ? intensities.at[index] : vec3(0.0), spread, shadow_of(index, point.position, facing));
 }
 

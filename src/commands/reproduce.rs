@@ -12,7 +12,7 @@ use crate::presets;
 use crate::reference::scene_digest;
 use crate::renderer::{Renderer, needs_rays};
 use crate::tables::cells::{self, WALKS, reference_folder, run_folder};
-use crate::tables::{Names, Plan, Run, Table, print, read};
+use crate::tables::{Names, Plan, Run, Table, print, read, sheet};
 use crate::walk::flicker_of_walk;
 use anyhow::{Context, Result};
 use std::collections::BTreeMap;
@@ -44,7 +44,12 @@ pub fn run(args: &ReproduceArgs) -> Result<()> {
         }
         let results = cells::results(table, plan, folder)?;
         results.write(folder)?;
-        progress.suspend(|| println!("{}{}\n", print::text(&results), folder.join("table.md").display()));
+        let sheet = if table.sheet { sheet::write(table, plan, folder)? } else { None };
+        progress.suspend(|| {
+            println!("{}{}", print::text(&results), folder.join("table.md").display());
+            sheet.iter().for_each(|sheet| println!("{}", sheet.display()));
+            println!();
+        });
     }
     progress.end();
     if let Some(open) = session.open {

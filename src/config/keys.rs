@@ -2,8 +2,9 @@
 //! it, and the README's table is made from it; the defaults come from the types.
 
 use super::{
-    BounceVisibility, Builtin, Centers, Collect, Config, Culling, Dielectric, Emitters, FilterKind, GatherMethod, Interpolation, IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Representative, Shadows,
-    SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityMethod, VplSampler,
+    BounceVisibility, Builtin, Centers, Collect, Config, Culling, Dielectric, Emitters, FilterKind, GatherMethod, Interpolation,
+    IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Representative, Shadows, SsaoMethod, SsaoResolution, TimingMode, Tonemap,
+    VisibilityMethod, VplSampler,
 };
 use serde::Deserialize;
 use serde::de::{self, Visitor};

@@ -172,7 +172,7 @@ fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, clusters: &Cl
     };
     // The device alone knows where clusters are: everything is drawn for all of them.
     let everything = |_| Some(0.0);
-    let (name, instances) = match config.layers {
+    let (shader, instances) = match config.layers {
         Layers::GeometryShader => ("bounce/draw-geometry", count.div_ceil(8)),
         Layers::Instanced => ("bounce/draw-instanced", count),
         Layers::PerLayer => {
@@ -180,7 +180,8 @@ fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, clusters: &Cl
                 g.again(layer + 1, |g| {
                     let lists = scene.draw_lists(g, "bounce", Maps::Reflection, 1, everything);
                     let pass = g
-                        .raster("bounce/draw-layer")
+                        .raster("bounce/draw")
+                        .shader("bounce/draw-layer")
                         .reads("draws", handles.draws)
                         .reads("clusters", clusters.clusters)
                         .params(&params(layer));
@@ -203,7 +204,8 @@ fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, clusters: &Cl
         }
     };
     let lists = scene.draw_lists(g, "bounce", Maps::Reflection, instances, everything);
-    g.raster(name)
+    g.raster("bounce/draw")
+        .shader(shader)
         .reads("draws", handles.draws)
         .reads("clusters", clusters.clusters)
         .params(&params(0))

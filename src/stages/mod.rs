@@ -24,8 +24,8 @@ pub struct Method {
 /// Every method there is.
 pub const METHODS: &[Method] = {
     use Feature::{
-        ClipDistance, FilteredRg32Float, GeometryShader, LargePoints, LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters, Snorm16Images,
-        SubgroupBallot, TessellationShader, VertexPipelineStores,
+        ClipDistance, FilteredRg32Float, GeometryShader, LargePoints, LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters,
+        Snorm16Images, SubgroupBallot, TessellationShader, VertexPipelineStores,
     };
     const fn method(slot: &'static str, name: &'static str, needs: &'static [Feature]) -> Method {
         Method { slot, name, needs }
@@ -35,9 +35,17 @@ pub const METHODS: &[Method] = {
         method("rsm", "draw", &[MultiDrawIndirect, ShaderDrawParameters, LayerFromVertexShader, Snorm16Images]),
         method("vpls.sampler", "regular", &[]),
         method("vpls.sampler", "hammersley", &[]),
-        method("bounce.layers", "instanced", &[MultiDrawIndirect, ShaderDrawParameters, ClipDistance, LayerFromVertexShader, Snorm16Images]),
+        method(
+            "bounce.layers",
+            "instanced",
+            &[MultiDrawIndirect, ShaderDrawParameters, ClipDistance, LayerFromVertexShader, Snorm16Images],
+        ),
         method("bounce.layers", "geometry-shader", &[MultiDrawIndirect, ShaderDrawParameters, ClipDistance, GeometryShader, Snorm16Images]),
-        method("bounce.layers", "per-layer", &[MultiDrawIndirect, ShaderDrawParameters, ClipDistance, LayerFromVertexShader, Snorm16Images]),
+        method(
+            "bounce.layers",
+            "per-layer",
+            &[MultiDrawIndirect, ShaderDrawParameters, ClipDistance, LayerFromVertexShader, Snorm16Images],
+        ),
         method("visibility.method", "none", &[]),
         method("visibility.method", "ray-traced", &[]),
         method("visibility.method", "imperfect-shadow-maps", &[]),

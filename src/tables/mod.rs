@@ -8,6 +8,7 @@ pub mod cells;
 pub mod plan;
 pub mod print;
 pub mod read;
+pub mod sheet;
 
 pub use cells::{Cell, Results};
 pub use plan::{Names, Plan, Run};
@@ -30,6 +31,8 @@ pub struct Table {
     pub deviations: Vec<String>,
     pub published: Option<Published>,
     pub reference: ReferenceGoal,
+    /// Whether the cells' pictures are put side by side, in `sheet.png`.
+    pub sheet: bool,
     pub rows: Vec<Line>,
     pub columns: Vec<Line>,
     /// What cells measure where neither row nor column says.

@@ -17,8 +17,21 @@ use std::path::{Path, PathBuf};
 pub fn table(text: &str, path: &Path) -> Result<Table> {
     let root = document(text, path)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let keys =
-        ["title", "source", "about", "base", "set", "measure", "relative_to", "reference", "published", "deviations", "row", "column"];
+    let keys = [
+        "title",
+        "source",
+        "about",
+        "base",
+        "set",
+        "measure",
+        "relative_to",
+        "reference",
+        "published",
+        "deviations",
+        "sheet",
+        "row",
+        "column",
+    ];
     let tree = section(&root, "", &keys)?;
     let rows = lines(tree, "row", &root.origin)?;
     let columns = lines(tree, "column", &root.origin)?;
@@ -44,6 +57,11 @@ pub fn table(text: &str, path: &Path) -> Result<Table> {
         about: optional_text(tree, "about")?,
         deviations: tree.get("deviations").map(|node| texts(node, "deviations")).transpose()?.unwrap_or_default(),
         reference: tree.get("reference").map_or(Ok(ReferenceGoal::default()), reference)?,
+        sheet: match tree.get("sheet") {
+            None => false,
+            Some(Node { value: Value::Bool(sheet), .. }) => *sheet,
+            Some(node) => return Err(error(&node.origin, "sheet", format_args!("expects true or false, found {}", node.found()))),
+        },
         base: base(tree, &root.origin, path)?,
         set: tree.get("set").map(|node| partial(node, "set")).transpose()?,
         name,

@@ -4,8 +4,8 @@ use crate::common::*;
 use bytemuck::pod_collect_to_vec;
 use glam::{DVec3, Vec2, Vec3};
 use manylight::config::{
-    BounceVisibility, Builtin, Centers, Config, Emitters, FilterKind, Layers, LightConfig, Pattern, Representative, SceneConfig, VisibilityMethod,
-    VplSampler,
+    BounceVisibility, Builtin, Centers, Config, Emitters, FilterKind, Layers, LightConfig, LightKeyframe, Pattern, Representative,
+    SceneConfig, VisibilityMethod, VplSampler,
 };
 use manylight::graph::Execution;
 use manylight::reference::Layer;
@@ -74,7 +74,10 @@ fn the_second_bounce_carries_the_flux_that_its_clusters_reflect() {
         let flux: DVec3 = clusters(&rendered).iter().map(|cluster| Vec3::from(cluster.flux).as_dvec3()).sum();
         let second: DVec3 = intensities(&rendered, "bounce/intensities").into_iter().sum::<DVec3>() * PI;
         let error = ((second / (flux * albedo)) - 1.0).abs().max_element();
-        println!("{count_of_clusters} clusters, {pattern:?}: flux {flux}, of its VPLs {first}, passed on {second}, off by {:.3} %", 100.0 * error);
+        println!(
+            "{count_of_clusters} clusters, {pattern:?}: flux {flux}, of its VPLs {first}, passed on {second}, off by {:.3} %",
+            100.0 * error
+        );
         assert!(((flux / first) - 1.0).abs().max_element() < 1e-4, "clusters reflect {flux}, their VPLs {first}");
         assert!(error < 0.02, "{count_of_clusters} clusters, {pattern:?}: {second} of {flux} were passed on");
     }
@@ -155,9 +158,12 @@ fn every_vpl_is_in_the_cluster_nearest_to_it() {
     let (scene, mut config) = closed_box(DVec3::splat(0.5));
     let diagonal = SIZE.length();
     let mut renderer = renderer(scene);
-    for (count_of_clusters, vpls, representative) in
-        [(8, 256, Representative::NearestMember), (8, 256, Representative::Mean), (32, 1000, Representative::Mean), (64, 16, Representative::Mean)]
-    {
+    for (count_of_clusters, vpls, representative) in [
+        (8, 256, Representative::NearestMember),
+        (8, 256, Representative::Mean),
+        (32, 1000, Representative::Mean),
+        (64, 16, Representative::Mean),
+    ] {
         config.bounce.clusters = count_of_clusters;
         config.vpls.count = vpls;
         config.bounce.representative = representative;
@@ -196,10 +202,11 @@ fn every_vpl_is_in_the_cluster_nearest_to_it() {
                 let nearest = means.iter().flatten().map(|mean| distance(*i, *mean)).fold(f64::INFINITY, f64::min);
                 assert!(distance(*i, mean) <= nearest + 1e-4, "VPL {i} is nearer to another cluster than {j}");
             }
-            let (stands, faces) =
-                (Vec3::from(clusters[j].position).as_dvec3(), octahedral_snorm16_inverse(clusters[j].normal).as_dvec3());
+            let (stands, faces) = (Vec3::from(clusters[j].position).as_dvec3(), octahedral_snorm16_inverse(clusters[j].normal).as_dvec3());
             match representative {
-                Representative::Mean => assert!(stands.distance(mean.0) < 1e-3 && faces.distance(mean.1) < 1e-3, "cluster {j} is not its mean"),
+                Representative::Mean => {
+                    assert!(stands.distance(mean.0) < 1e-3 && faces.distance(mean.1) < 1e-3, "cluster {j} is not its mean")
+                }
                 Representative::NearestMember => {
                     let nearest = members[j].iter().map(|i| distance(*i, mean)).fold(f64::INFINITY, f64::min);
                     let own = members[j].iter().find(|i| place(**i).0.distance(stands) < 1e-6).expect("a member stands for its cluster");
@@ -220,11 +227,9 @@ fn maps(rendered: &Rendered) -> (Vec<f32>, Vec<Vec3>, Vec<u8>) {
     (pod_collect_to_vec(dumped(rendered, "bounce/distances")), normals.collect(), dumped(rendered, "bounce/albedos").to_vec())
 }
 
-const DRAWS: [(Layers, &str); 3] = [
-    (Layers::Instanced, "bounce/draw-instanced"),
-    (Layers::GeometryShader, "bounce/draw-geometry"),
-    (Layers::PerLayer, "bounce/draw-layer#11"),
-];
+/// Ways to fill the maps of eleven clusters, and the pass that ends it.
+const DRAWS: [(Layers, &str); 3] =
+    [(Layers::Instanced, "bounce/draw"), (Layers::GeometryShader, "bounce/draw"), (Layers::PerLayer, "bounce/draw#11")];
 
 #[test]
 fn maps_are_the_same_however_their_layers_are_filled() {
@@ -259,7 +264,7 @@ fn maps_hold_the_distances_normals_and_colours_that_rays_find() {
     let (_, mut config) = closed_box(DVec3::ONE);
     config.bounce.clusters = 3;
     let mut renderer = renderer(split_room(&walls));
-    let rendered = dump(&mut renderer, &config, 0, &["bounce/k-means", "bounce/draw-instanced"]);
+    let rendered = dump(&mut renderer, &config, 0, &["bounce/k-means", "bounce/draw"]);
     let clusters = clusters(&rendered);
     let (distances, normals, colors) = maps(&rendered);
     let size = config.bounce.map_size as usize;
@@ -332,7 +337,7 @@ fn a_board_of_two_triangles_looks_as_one_of_many_once_it_is_split() {
     config.bounce.clusters = 1;
     let shown = |scene: Scene| {
         let mut renderer = renderer(scene);
-        let rendered = dump(&mut renderer, &config, 0, &["bounce/draw-instanced"]);
+        let rendered = dump(&mut renderer, &config, 0, &["bounce/draw"]);
         finish(renderer.gpu());
         maps(&rendered).0
     };
@@ -381,7 +386,12 @@ fn a_cluster_of_one_vpl_sees_what_rays_see() {
         let channels = test.iter().zip(&rays).flat_map(|(t, r)| (0..3).map(|c| (f64::from(t[c]), f64::from(r[c]))));
         channels.map(|(t, r)| (t - r).powi(2) / (r * r + 0.01)).sum::<f64>() / (3 * rays.len()) as f64
     };
-    println!("relMSE {:.5}, without shadows {:.5}; energy {:.4}", error(&maps), error(&none), mean(&maps, |_| true) / mean(&rays, |_| true));
+    println!(
+        "relMSE {:.5}, without shadows {:.5}; energy {:.4}",
+        error(&maps),
+        error(&none),
+        mean(&maps, |_| true) / mean(&rays, |_| true)
+    );
     assert!(error(&maps) < 0.1 * error(&none), "{} with maps, {} without shadows", error(&maps), error(&none));
     assert!((mean(&maps, |_| true) / mean(&rays, |_| true) - 1.0).abs() < 0.02);
     finish(renderer.gpu());
@@ -451,5 +461,54 @@ fn the_second_bounce_takes_every_way_to_find_shadows() {
     println!("none {none:.4}, rays {rays:.4}, imperfect shadow maps {maps:.4}");
     assert!(rays < 0.97 * none, "rays {rays}, none {none}");
     assert!((maps / rays - 1.0).abs() < 0.1, "imperfect shadow maps {maps}, rays {rays}");
+    finish(renderer.gpu());
+}
+
+/// Lights of every kind, one of which moves, and a camera that does.
+#[test]
+fn clusters_follow_moving_lights_of_every_kind() {
+    let (scene, mut config) = small_atrium();
+    let moving = match spot(Vec3::new(-3.0, 3.0, 0.0), Vec3::new(0.3, -1.0, 0.2), [300.0; 3], 20.0, 60.0) {
+        LightConfig::Spot { position, direction, target, intensity, inner_deg, outer_deg, .. } => {
+            let key = |time, x: f32| LightKeyframe {
+                time,
+                position: Some([x, 3.0, 0.0]),
+                direction: None,
+                target: None,
+                intensity: None,
+                irradiance: None,
+            };
+            LightConfig::Spot {
+                position,
+                direction,
+                target,
+                intensity,
+                inner_deg,
+                outer_deg,
+                keyframes: vec![key(0.0, -3.0), key(0.2, 3.0)],
+            }
+        }
+        other => unreachable!("{other:?}"),
+    };
+    let point = LightConfig::Point { position: [2.0, 2.0, 1.0], intensity: [100.0; 3], keyframes: Vec::new() };
+    config.light = vec![directional(Vec3::new(0.3, -1.0, 0.2), [10.0; 3]), moving, point];
+    config.vpls.count = 512;
+    let mut renderer = renderer(scene);
+    let mut walk = || -> Vec<(Vec<f32>, u64)> {
+        let frame = |frame| {
+            let rendered = dump(&mut renderer, &config, frame, &[]);
+            assert!(count(&rendered, "bounce/lit") > 16, "frame {frame} has {} lights", count(&rendered, "bounce/lit"));
+            let rounds = count(&rendered, "bounce/rounds");
+            (rendered.picture.unwrap().indirect.values, rounds)
+        };
+        (0..7).map(frame).collect()
+    };
+    let (first, again) = (walk(), walk());
+    assert!(first == again, "a walk does not repeat");
+    for pair in first.windows(2) {
+        assert!(pair[0].0 != pair[1].0, "the light moves, and nothing changes");
+        assert!(pair[1].1 <= 5, "{} rounds of k-means where five are allowed", pair[1].1);
+    }
+    assert!(first.iter().skip(1).any(|(_, rounds)| *rounds > 1), "no cluster has moved");
     finish(renderer.gpu());
 }

@@ -9,8 +9,8 @@ mod ray_traced;
 pub use ism::{Ism, partition_capacity};
 pub use ray_traced::BITS;
 
-use super::gbuffer::GBuffer;
 use super::bounce::{Bounce, Clusters};
+use super::gbuffer::GBuffer;
 use super::vpls::Vpls;
 use crate::config::{Config, Lookup, VisibilityConfig, VisibilityMethod};
 use crate::graph::{Graph, Image};
