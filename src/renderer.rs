@@ -67,7 +67,7 @@ pub struct Renderer {
     traced: Option<TracedScene>,
     /// Where the scene's animation was when the hierarchy was built, seconds; unknown after one that failed.
     time_of_rays: Option<f64>,
-    /// The frame before, which the next goes on from where it is a later one of the same config.
+    /// The frame before, which the next goes on from where it is the next one of the same config.
     last: Option<(Config, u32)>,
 }
 
@@ -205,6 +205,8 @@ impl Renderer {
     }
 
     pub fn engine(&mut self) -> &mut Engine {
+        // What others run on it is between the frames.
+        self.last = None;
         &mut self.engine
     }
 
@@ -366,7 +368,16 @@ impl Renderer {
         let warning = "light: an environment is seen by the camera, but lights nothing in a rasterized frame";
         let wide = |light: &Light| matches!(light, Light::Spot { outer, .. } if *outer > Projector::WIDEST_SPOT);
         let cut = "light: a spot light is wider than 80 degrees to each side; beyond them it lights nothing";
-        let warnings = [environment.then_some(warning), lights.iter().any(wide).then_some(cut)];
+        let bent = "scene.split: is not set, and the maps of clusters bend the edges of large triangles; 0.02 is a good value";
+        let slow =
+            "bounce.rounds: so many VPLs and clusters have fewer rounds of k-means a frame; clusters may be unsettled for some frames";
+        let few = clustered(config) && bounce::most_rounds(config.vpls.count, config.bounce.clusters) < config.bounce.rounds;
+        let warnings = [
+            environment.then_some(warning),
+            lights.iter().any(wide).then_some(cut),
+            (clustered(config) && config.scene.split.is_none()).then_some(bent),
+            few.then_some(slow),
+        ];
         warnings.into_iter().flatten().map(str::to_owned).collect()
     }
 
@@ -409,11 +420,11 @@ impl Renderer {
         Ok((frame(g, &self.device_scene, self.traced.as_ref(), &view, &lighting, config), view))
     }
 
-    /// Renders frame `frame_index`; its images are only brought back where `pictured`. A frame that comes after an earlier one of the same
+    /// Renders frame `frame_index`; its images are only brought back where `pictured`. A frame that comes right after the one before it of the same
     /// config goes on from it ([`Graph::history`]); any other starts anew, so that what was rendered before it changes nothing.
     pub fn render(&mut self, config: &Config, frame_index: u32, pictured: bool, execution: &Execution) -> Result<Rendered> {
         self.set_time(config, frame_index)?;
-        if !self.last.take().is_some_and(|(last, index)| last == *config && index < frame_index) {
+        if !self.last.take().is_some_and(|(last, index)| last == *config && index + 1 == frame_index) {
             self.engine.forget();
         }
         let mut g = Graph::new();

@@ -37,6 +37,7 @@ layout(scalar) buffer Frames { uint count; } frames; // that have had centres
 layout(scalar) coherent buffer Labels { uint at[]; } labels;
 layout(scalar) writeonly buffer Clusters { Cluster at[]; } clusters;
 layout(scalar) buffer Rounds { uint count; } rounds;
+layout(scalar) buffer Unsettled { uint count; } unsettled; // whether the last round still moved something
 
 const float PI = 3.14159265358979;
 
@@ -54,7 +55,7 @@ bool is_lit(uint i) { return any(greaterThan(intensities.at[i], vec3(0.0))); }
 vec3 normal_of(uint i) { return octahedral_snorm16_inverse(points.at[i].normal); }
 
 float distance_to(uint cluster, vec3 position, vec3 normal) {
-    return params.place_weight * distance(position, place[cluster]) + params.normal_weight * (1.0 - max(dot(normal, facing[cluster]), 0.0));
+    return params.place_weight * distance(position, place[cluster]) + params.normal_weight * (1.0 - clamp(dot(normal, facing[cluster]), 0.0, 1.0));
 }
 
 // Parts that the VPLs are cut into, and an invocation's: those beyond the last have none.
@@ -175,7 +176,8 @@ void main() {
                         far = numbers[i];
                     }
                 }
-                if (far != NO_CLUSTER) {
+                // Less is rounding: there are no more places than clusters.
+                if (farthest > 1e-5) {
                     place[empty] = points.at[far].position;
                     facing[empty] = normal_of(far);
                 }
@@ -185,7 +187,7 @@ void main() {
     }
     if (me == 0u) {
         atomicAdd(rounds.count, round);
-        frames.count = max(frames.count + 1u, 1u);
+        if (moved) atomicAdd(unsettled.count, 1u);
     }
 
     // What stands for each cluster, and its flux.
@@ -229,4 +231,12 @@ void main() {
     }
     clusters.at[me] = cluster;
     centres.at[me] = Centre(place[me], facing[me]);
+    // Without any light there is nothing to go on from.
+    if (me == 0u) {
+        bool any_lit = false;
+        for (uint p = 0u; p < parts(); p++) {
+            for (uint j = 0u; j < k; j++) any_lit = any_lit || numbers[p * k + j] != NO_CLUSTER;
+        }
+        if (any_lit) frames.count = max(frames.count + 1u, 1u);
+    }
 }

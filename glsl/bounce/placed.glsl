@@ -22,7 +22,7 @@ void main() {
     vec3 local = map_space(clusters.at[layer], world);
     gl_Layer = int(layer);
     gl_Position = map_clip(local, params.far);
-    gl_ClipDistance[0] = local.z - LEAST_HEIGHT * params.far;
+    gl_ClipDistance[0] = clusters.at[layer].members > 0u ? local.z - LEAST_HEIGHT * params.far : -1.0;
     out_local = local;
     out_uv = uv;
     out_color = vec4(1.0);

@@ -56,6 +56,8 @@ void main() {
     mat3 axes = hemisphere(octahedral_snorm16_inverse(clusters.at[in_cluster].normal));
     bool lit = gl_FrontFacing || material.double_sided != 0u;
     distances = d / params.far;
+    // Not what is interpolated, which would let what lies just behind a large triangle through.
+    gl_FragDepth = 1.0 - distances;
     normal = octahedral(axes * (turned ? -n : n));
     albedo = vec4(lit ? tint * (1.0 - metallic) : vec3(0.0), 1.0);
     if (MASKED && base.a < material.alpha_cutoff) discard;

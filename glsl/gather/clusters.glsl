@@ -33,18 +33,19 @@ Shadow shadow_of(uint vpl, vec3 position, vec3 facing) {
     Shadow(subgroupBroadcast(shadow.across, lane), subgroupBroadcast(shadow.up, lane), subgroupBroadcast(shadow.moved, lane), \
            subgroupBroadcast(shadow.layer, lane))
 
-float lit(Shadow shadow, vec3 way, float squared, float from, float to) {
+float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float to) {
     vec3 to_cluster = way + shadow.moved;
     float d = length(to_cluster);
     // What lies behind the cluster's plane, and before its VPL's, is compared with the map's rim, the less so the farther behind: VPLs of a
     // bent surface, such as a column, would all lose what their cluster's place cannot see.
     float above = -dot(cross(shadow.across, shadow.up), to_cluster), height = max(above, 0.0);
     float known = clamp(1.0 + 2.0 * above / max(d, 1e-12), 0.0, 1.0);
-    vec2 p = vec2(dot(shadow.across, to_cluster), dot(shadow.up, to_cluster)) / -max(d + height, 1e-12);
+    vec2 lateral = -vec2(dot(shadow.across, to_cluster), dot(shadow.up, to_cluster));
+    vec2 p = lateral / max(above < 0.0 ? length(lateral) : d + height, 1e-12);
     float size = float(maps_of.size);
     vec2 at = (p * 0.5 + 0.5) * size;
     // The surface runs deeper across a texel the more it slopes: by its width over the cosine, at most.
-    float cosine = to * inversesqrt(max(squared, 1e-20));
+    float cosine = max(dot(normal, to_cluster) / max(d, 1e-12), 0.05);
     float hidden = d * cosine - maps_of.bias * 2.0 / size * (d + height), unit = cosine * maps_of.far;
     if (BILINEAR) {
         at = clamp(at - 0.5, 0.0, size - 1.0);

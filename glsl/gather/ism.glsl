@@ -26,7 +26,7 @@ Shadow shadow_of(uint vpl, vec3 position, vec3 facing) {
 #define HAND_SHADOW_ROUND(shadow, lane) \
     Shadow(subgroupBroadcast(shadow.across, lane), subgroupBroadcast(shadow.up, lane), subgroupBroadcast(shadow.corner, lane))
 
-float lit(Shadow shadow, vec3 way, float squared, float from, float to) {
+float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float to) {
     float d = sqrt(squared);
     // 2 (d + from) / size is what a texel's width comes to at the receiver.
     float sum = max(d + from, 1e-12);

@@ -5,9 +5,9 @@
 // which VPLs of the pixel's set, from number `index` on, the pixels see: bit i of a word for VPL index + i, up to the next multiple
 // of 32, a word for each of the pixels at the given one, a step across, down, and both; and
 //     Shadow shadow_of(uint vpl, vec3 position, vec3 facing);
-//     float lit(Shadow shadow, vec3 way, float squared, float from, float to);
-// what a VPL's shadow test needs, and the test: `way` to the VPL, its squared length, and the cosines to the VPL's normal and to the
-// receiver's, both times the length.
+//     float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float to);
+// what a VPL's shadow test needs, and the test: the receiver's normal, `way` to the VPL, its squared length, and the cosines to the VPL's
+// normal and to the receiver's, both times the length.
 #include "gather/cluster.glsl"
 #include "lib/color.glsl"
 #include "lib/packing.glsl"
@@ -33,7 +33,7 @@ layout(rgba16f) writeonly uniform image2D irradiance;
 
 uvec4 seen(ivec2 pixel, uint index);
 Shadow shadow_of(uint vpl, vec3 position, vec3 facing);
-float lit(Shadow shadow, vec3 way, float squared, float from, float to);
+float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float to);
 
 // A pixel being shaded.
 struct Receiver {
@@ -62,7 +62,7 @@ struct Vpl {
     vec3 position;
     vec3 facing;
     vec3 intensity;
-    float spread; // square of a disk's radius, which fits into the square of the area
+    float spread; // square of a disk's radius
     Shadow shadow;
 };
 
@@ -71,7 +71,7 @@ Vpl vpl(uint index, bool there) {
     VplPoint point = points.at[index];
     vec3 facing = octahedral_snorm16_inverse(point.normal);
     float spread = 0.0;
-    if (DISKS) spread = 0.25 * areas.at[index];
+    if (DISKS) spread = areas.at[index] / 3.14159265358979;
     return Vpl(point.position, facing, there ? intensities.at[index] : vec3(0.0), spread, shadow_of(index, point.position, facing));
 }
 
@@ -87,7 +87,7 @@ void shade(inout Receiver r, Vpl vpl, float visible) {
     float squared = dot(way, way);
     float from = max(-dot(vpl.facing, way), 0.0), to = max(dot(r.normal, way), 0.0);
     float weight = from * to * visible / max(squared * max(squared + vpl.spread, params.squared_min_distance), 1e-20);
-    r.sum += vpl.intensity * (weight * lit(vpl.shadow, way, squared, from, to));
+    r.sum += vpl.intensity * (weight * lit(vpl.shadow, r.normal, way, squared, from, to));
 }
 
 #define HAND_ROUND(lane) { \

@@ -3,12 +3,12 @@
 use super::progress::Progress;
 use super::{counts, load_config, no_frames, open, prepare_trace, provenance};
 use crate::cli::RenderArgs;
-use crate::config::Layer as LayerName;
+use crate::config::{Centers, Layer as LayerName};
 use crate::fail;
 use crate::graph::{Dump, DumpData, Execution};
 use crate::output::exr::Precision;
 use crate::output::{FRAMES, Layer, RunReport, frame_file, prepare_folder, write_exr, write_file, write_png};
-use crate::renderer::{Picture, Plane, Renderer, needs_rays, timing};
+use crate::renderer::{Picture, Plane, Renderer, clustered, needs_rays, timing};
 use crate::report::{Memory, PassTime, Timings, counts_table, memory_table, peak_memory_bytes, timing_table, timings_csv};
 use crate::trace;
 use anyhow::{Context, Result};
@@ -36,6 +36,9 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let mut renderer = if needs_rays(&config) { Renderer::traced(gpu, scene)? } else { Renderer::new(gpu, scene)? };
     renderer.check(&config)?;
     warnings.extend(renderer.warnings(&config));
+    if args.sequence.shard.is_some() && clustered(&config) && config.bounce.centers == Centers::Kept {
+        warnings.push("--shard: clusters go on from frame to frame (bounce.centers), and parts of a sequence start anew: where lights move, pictures are not those of the whole sequence".to_owned());
+    }
     warnings.iter().for_each(|warning| progress.warn(warning));
 
     let mut execution = Execution { timing: timing(&config, &renderer.gpu().adapter), ..Execution::default() };

@@ -371,7 +371,7 @@ pub enum Culling {
 pub enum Emitters {
     #[default]
     Points,
-    /// Disks that fit into the squares of the beams that they stand for, as seen from their axis: the fewer lights, the softer they are.
+    /// Disks as wide as the beams that they stand for, as seen from their axis: the fewer lights, the softer they are.
     Disks,
 }
 

@@ -108,8 +108,9 @@ pub struct Graph {
     passes: Vec<Pass>,
     read_backs: Vec<Resource>,
     warming_up: bool,
-    /// Appended to the names of what is described; see [`Self::again`].
+    /// Appended to the names of what is described, and how many descriptions that is inside of; see [`Self::again`].
     suffix: String,
+    depth: u32,
 }
 
 /// A resource that the host gets after the frame; see [`FrameOutcome::bytes`].
@@ -133,12 +134,17 @@ impl Graph {
     }
 
     /// Describes for the `time`th time what a frame has several times: from the second time on, all passes and resources are named
-    /// with `#` and the time behind, and so keep apart.
+    /// with `#` and the time behind, and so keep apart; what is
+    /// described several times within that, with `-`.
     pub fn again<R>(&mut self, time: u32, describe: impl FnOnce(&mut Self) -> R) -> R {
-        let suffix = if time > 1 { format!("#{time}") } else { String::new() };
-        let outer = std::mem::replace(&mut self.suffix, suffix);
+        let outer = self.suffix.len();
+        if time > 1 {
+            self.suffix += &format!("{}{time}", if self.depth == 0 { '#' } else { '-' });
+        }
+        self.depth += 1;
         let described = describe(self);
-        self.suffix = outer;
+        self.depth -= 1;
+        self.suffix.truncate(outer);
         described
     }
 
@@ -245,5 +251,27 @@ impl Graph {
 
     fn name(&self, resource: Resource) -> &str {
         &self.slots[resource.index()].name
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_described_again_has_names_of_its_own_at_every_depth() {
+        let mut g = Graph::new();
+        for bounce in 1..=2 {
+            g.again(bounce, |g| {
+                for layer in 1..=2 {
+                    g.again(layer, |g| {
+                        g.count("lit");
+                        g.compute("draw").dispatch([1, 1, 1]);
+                    });
+                }
+            });
+        }
+        assert_eq!(g.pass_names().collect::<Vec<_>>(), ["draw", "draw-2", "draw#2", "draw#2-2"]);
+        assert_eq!(g.memory().iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["lit", "lit-2", "lit#2", "lit#2-2"]);
     }
 }

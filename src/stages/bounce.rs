@@ -130,11 +130,12 @@ fn clusters(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, vpls: &Vp
     clusters
 }
 
-/// k-means over position and normal (section III-B). Counts `bounce/rounds`.
+/// k-means over position and normal (section III-B). Counts `bounce/rounds`, and `bounce/unsettled`, 1 where the last
+/// of them still moved a VPL to another cluster.
 fn k_means(g: &mut Graph, vpls: &Vpls, clusters: &Clusters, config: &BounceConfig, seed: u32) {
     let centres = g.history::<Centre>("bounce/centres", clusters.count);
     let frames = g.history::<u32>("bounce/frames", 1);
-    let rounds = g.count("bounce/rounds");
+    let (rounds, unsettled) = (g.count("bounce/rounds"), g.count("bounce/unsettled"));
     let most = most_rounds(vpls.count, clusters.count);
     g.compute("bounce/k-means")
         .reads("points", vpls.points)
@@ -144,6 +145,7 @@ fn k_means(g: &mut Graph, vpls: &Vpls, clusters: &Clusters, config: &BounceConfi
         .updates("labels", clusters.labels)
         .writes("clusters", clusters.clusters)
         .updates("rounds", rounds)
+        .updates("unsettled", unsettled)
         .constant("RESEED", config.centers == Centers::Reseeded)
         .constant("NEAREST_MEMBER", config.representative == Representative::NearestMember)
         .params(&KMeansParams {

@@ -126,8 +126,10 @@ fn two_bounces_in_an_empty_box_are_the_path_tracers() {
     let once = dump(&mut renderer, &config, 0, &[]).picture.unwrap();
     let once: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| once.indirect.at(i)).collect();
     let of_once = mean(&once, away) / mean(&first, away);
-    println!("two bounces {ratio:.4} of the path tracer's, one {of_once:.4}; the second is {:.3} of both", mean(&second, away) / expected);
+    let of_second = (mean(&found, away) - mean(&once, away)) / mean(&second, away);
+    println!("two bounces {ratio:.4} of the path tracer's, the first {of_once:.4}, the second {of_second:.4}");
     assert!((ratio - 1.0).abs() < 0.03, "two bounces are {ratio} of the path tracer's");
+    assert!((of_second - 1.0).abs() < 0.04, "the second bounce is {of_second} of the path tracer's");
     assert!(mean(&second, away) > 0.2 * expected, "the second bounce is too little to tell");
     finish(renderer.gpu());
 }
@@ -229,7 +231,7 @@ fn maps(rendered: &Rendered) -> (Vec<f32>, Vec<Vec3>, Vec<u8>) {
 
 /// Ways to fill the maps of eleven clusters, and the pass that ends it.
 const DRAWS: [(Layers, &str); 3] =
-    [(Layers::Instanced, "bounce/draw"), (Layers::GeometryShader, "bounce/draw"), (Layers::PerLayer, "bounce/draw#11")];
+    [(Layers::Instanced, "bounce/draw"), (Layers::GeometryShader, "bounce/draw"), (Layers::PerLayer, "bounce/draw-11")];
 
 #[test]
 fn maps_are_the_same_however_their_layers_are_filled() {
@@ -249,7 +251,9 @@ fn maps_are_the_same_however_their_layers_are_filled() {
     assert!(there > filled[0].0.len() / 4, "only {there} texels of the maps show something");
     let [first, others @ ..] = &mut filled;
     for (other, (layers, _)) in others.iter().zip(&DRAWS[1..]) {
-        let differ = (0..first.0.len()).filter(|i| first.0[*i] != other.0[*i] || first.1[*i] != other.1[*i]).count();
+        let color = |maps: &(Vec<f32>, Vec<Vec3>, Vec<u8>), i: usize| maps.2[8 * i..8 * i + 6].to_vec();
+        let same = |i: usize| first.0[i] == other.0[i] && first.1[i] == other.1[i] && color(first, i) == color(other, i);
+        let differ = (0..first.0.len()).filter(|i| !same(*i)).count();
         println!("{layers:?}: {differ} of {there} texels differ");
         assert!(differ * 1000 <= there, "{layers:?}: {differ} of {there} texels differ");
     }
@@ -304,7 +308,7 @@ fn maps_hold_the_distances_normals_and_colours_that_rays_find() {
     }
     println!("distances off by {:.4} % at most; {wrong} of {all} texels show another wall", 100.0 * worst);
     assert!(worst < 0.002, "a distance is off by {:.2} %", 100.0 * worst);
-    assert!(wrong * 40 < all, "{wrong} of {all} texels show another wall");
+    assert!(wrong * 1000 < all, "{wrong} of {all} texels show another wall");
     finish(renderer.gpu());
 }
 
@@ -434,6 +438,8 @@ fn clusters_that_are_kept_flicker_less_than_ones_seeded_anew() {
     config.camera = walk.unwrap_or_else(|error| panic!("{error:#}")).camera;
     config.frame.count = 20;
     config.gather.emitters = Emitters::Disks;
+    // The pattern of interleaving flickers by itself, whatever clusters do.
+    config.gather.interleave = 1;
     let mut renderer = renderer(scene);
     let mut flicker = |centers| {
         config.bounce.centers = centers;
@@ -494,21 +500,126 @@ fn clusters_follow_moving_lights_of_every_kind() {
     config.light = vec![directional(Vec3::new(0.3, -1.0, 0.2), [10.0; 3]), moving, point];
     config.vpls.count = 512;
     let mut renderer = renderer(scene);
-    let mut walk = || -> Vec<(Vec<f32>, u64)> {
+    let walk = |renderer: &mut Renderer| -> Vec<(Vec<f32>, u64)> {
         let frame = |frame| {
-            let rendered = dump(&mut renderer, &config, frame, &[]);
+            let rendered = dump(renderer, &config, frame, &[]);
             assert!(count(&rendered, "bounce/lit") > 16, "frame {frame} has {} lights", count(&rendered, "bounce/lit"));
             let rounds = count(&rendered, "bounce/rounds");
             (rendered.picture.unwrap().indirect.values, rounds)
         };
         (0..7).map(frame).collect()
     };
-    let (first, again) = (walk(), walk());
+    let (first, again) = (walk(&mut renderer), walk(&mut renderer));
     assert!(first == again, "a walk does not repeat");
+    let alone = dump(&mut renderer, &config, 6, &[]).picture.unwrap().indirect.values;
+    assert!(alone != first[6].0, "frames start from the one before");
     for pair in first.windows(2) {
         assert!(pair[0].0 != pair[1].0, "the light moves, and nothing changes");
         assert!(pair[1].1 <= 5, "{} rounds of k-means where five are allowed", pair[1].1);
     }
     assert!(first.iter().skip(1).any(|(_, rounds)| *rounds > 1), "no cluster has moved");
+    finish(renderer.gpu());
+}
+
+/// Clusters of many VPLs: each is lit by what its cluster's place sees.
+#[test]
+fn clusters_see_about_as_much_as_rays_do() {
+    let scene = SceneConfig { builtin: Some(Builtin::Cornell), split: Some(0.02), ..SceneConfig::default() };
+    let mut config = Config { scene: scene.clone(), ..Config::default() };
+    config.frame.size = [160, 90];
+    config.vpls.count = 256;
+    let mut renderer = traced(load_scene(&scene).unwrap().0);
+    let mut indirect = |method| {
+        config.visibility.method = method;
+        let picture = picture(&mut renderer, &config);
+        (0..picture.indirect.values.len() / 4).map(|i| picture.indirect.at(i)).collect::<Vec<_>>()
+    };
+    let [rays, maps, none] = [VisibilityMethod::RayTraced, VisibilityMethod::Clusters, VisibilityMethod::None].map(&mut indirect);
+    let energy = |test: &[[f32; 4]]| mean(test, |_| true) / mean(&rays, |_| true);
+    println!("relMSE {:.5}, without shadows {:.5}; energy {:.4}", relmse(&maps, &rays), relmse(&none, &rays), energy(&maps));
+    assert!(relmse(&maps, &rays) < 0.6 * relmse(&none, &rays));
+    assert!((energy(&maps) - 1.0).abs() < 0.1, "energy {}", energy(&maps));
+    finish(renderer.gpu());
+}
+
+fn relmse(test: &[[f32; 4]], truth: &[[f32; 4]]) -> f64 {
+    let channels = test.iter().zip(truth).flat_map(|(t, r)| (0..3).map(|c| (f64::from(t[c]), f64::from(r[c]))));
+    channels.map(|(t, r)| (t - r).powi(2) / (r * r + 0.01)).sum::<f64>() / (3 * truth.len()) as f64
+}
+
+/// The presets as they are, against two bounces of paths.
+#[test]
+fn the_preset_is_nearer_to_two_bounces_than_one_bounce_of_linkes() {
+    let preset = |name: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(name);
+        let sets = ["scene.builtin=cornell", "frame.size=[160,90]"].map(str::to_owned);
+        manylight::config::load(&path, &sets).unwrap_or_else(|error| panic!("{error:#}"))
+    };
+    let (ssvp, linke) = (preset("ssvp.toml"), preset("linke.toml"));
+    let mut renderer = traced(load_scene(&ssvp.scene).unwrap().0);
+    let truth = reference(&mut renderer, &ssvp, centered(2), 256).indirect();
+    let mut indirect = |config: &Config| {
+        let picture = picture(&mut renderer, config);
+        (0..picture.indirect.values.len() / 4).map(|i| picture.indirect.at(i)).collect::<Vec<_>>()
+    };
+    let (two, one) = (indirect(&ssvp), indirect(&linke));
+    let energy = mean(&two, |_| true) / mean(&truth, |_| true);
+    println!("relMSE {:.4}, of linke's {:.4}; energy {energy:.4}", relmse(&two, &truth), relmse(&one, &truth));
+    assert!(relmse(&two, &truth) < relmse(&one, &truth));
+    assert!((energy - 1.0).abs() < 0.15, "energy {energy}");
+    finish(renderer.gpu());
+}
+
+/// A card just above a floor of two large triangles: neither shows through the other.
+#[test]
+fn what_lies_just_above_a_large_triangle_hides_it() {
+    let mut scene = Scene { name: "card".into(), ..Scene::default() };
+    let quad = |scene: &mut Scene, corners: [[f32; 3]; 4], albedo| add_quad(scene, corners.map(Vec3::from), matte([albedo; 3]));
+    quad(&mut scene, [[-6.0, 0.0, 0.0], [6.0, 0.0, 0.0], [6.0, 8.0, 0.0], [-6.0, 8.0, 0.0]], 0.5);
+    quad(&mut scene, [[-6.0, 0.0, 0.5], [-6.0, 0.0, 9.0], [6.0, 0.0, 9.0], [6.0, 0.0, 0.5]], 0.2);
+    quad(&mut scene, [[-1.0, 0.02, 3.0], [-1.0, 0.02, 5.0], [1.0, 0.02, 5.0], [1.0, 0.02, 3.0]], 0.9);
+    let light = spot(Vec3::new(0.0, 3.0, 4.0), Vec3::NEG_Z, [10.0; 3], 1.0, 3.0);
+    let mut config = plain([16, 16], Vec3::new(0.0, 3.0, 8.0), Vec3::new(0.0, 3.0, 0.0), 60.0, light);
+    config.vpls.count = 16;
+    config.bounce.count = 2;
+    config.bounce.clusters = 1;
+    let mut renderer = renderer(scene);
+    let rendered = dump(&mut renderer, &config, 0, &["bounce/k-means", "bounce/draw"]);
+    let place = Vec3::from(clusters(&rendered)[0].position);
+    let (distances, _, colors) = maps(&rendered);
+    let size = config.bounce.map_size as usize;
+    let (mut card, mut other) = (0, 0);
+    for t in 0..size * size {
+        let p = (Vec2::new((t % size) as f32, (t / size) as f32) + 0.5) * (2.0 / size as f32) - 1.0;
+        if p.length() > 0.97 || distances[t] >= 1.0 {
+            continue;
+        }
+        // The wall faces +z: the map's axes are the world's, but for the way that x and y run.
+        let local = Vec3::new(2.0 * p.x, 2.0 * p.y, 1.0 - p.length_squared()) / (1.0 + p.length_squared());
+        if local.y >= 0.0 {
+            continue;
+        }
+        let hit = place + local * ((place.y - 0.02) / -local.y);
+        // Well inside the card.
+        if hit.x.abs() < 0.9 && (3.1..4.9).contains(&hit.z) {
+            if (f16(&colors[8 * t..]) - 0.9).abs() < 0.01 { card += 1 } else { other += 1 }
+        }
+    }
+    assert!(card > 200 && other == 0, "{card} texels show the card, {other} the floor below it");
+    finish(renderer.gpu());
+}
+
+#[test]
+fn three_bounces_go_with_every_way_to_fill_the_layers() {
+    let (scene, mut config) = closed_box(DVec3::splat(0.5));
+    config.bounce.count = 3;
+    config.bounce.map_size = 64;
+    let mut renderer = renderer(scene);
+    let lit = DRAWS.map(|(layers, _)| {
+        config.bounce.layers = layers;
+        let rendered = dump(&mut renderer, &config, 0, &[]);
+        (count(&rendered, "bounce/lit"), count(&rendered, "bounce/lit#2"))
+    });
+    assert!(lit.iter().all(|counts| *counts == lit[0] && counts.1 > 900), "{lit:?}");
     finish(renderer.gpu());
 }

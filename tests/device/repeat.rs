@@ -92,6 +92,7 @@ fn neither_timing_nor_dumps_nor_checks_change_the_picture() {
             ("rsm/draw", "rsm/depth"),
             ("vpls/regular", "vpls/points"),
             ("vpls/regular", "vpls/intensities"),
+            ("vpls/regular", "vpls/areas"),
             ("gather/tiled", "gather/irradiance"),
             ("compose/sum", "compose/indirect"),
             ("compose/sum", "compose/radiance"),
