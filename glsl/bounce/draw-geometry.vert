@@ -9,13 +9,15 @@ layout(location = 1) out vec2 out_uv;
 layout(location = 2) out vec4 out_color;
 layout(location = 3) flat out uint out_group;
 
+layout(scalar) readonly buffer Layers { uint at[]; } layers; // of each part's instances
+
 out gl_PerVertex { vec4 gl_Position; };
 
 void main() {
-    out_world = draws.at[gl_BaseInstance].transform * vec4(position, 1.0);
+    out_world = draws.at[parts.at[gl_BaseInstance].draw].transform * vec4(position, 1.0);
     out_uv = uv;
     out_color = vec4(1.0);
     if (VERTEX_COLOR) out_color = color;
-    out_group = gl_InstanceIndex - gl_BaseInstance;
+    out_group = layers.at[gl_BaseInstance * params.layers + gl_InstanceIndex - gl_BaseInstance];
     gl_Position = vec4(0.0);
 }

@@ -1,5 +1,6 @@
 // How a cluster's map shows the scene: paraboloid (Heidrich and Seidel 1998), its centre along the normal.
 #include "bounce/cluster.glsl"
+#include "bounce/limits.glsl"
 #include "lib/packing.glsl"
 #include "lib/paraboloid.glsl"
 
@@ -14,6 +15,3 @@ vec4 map_clip(vec3 local, float far) {
     float d = length(local), w = d + local.z;
     return vec4(local.xy, (1.0 - d / far) * w, w);
 }
-
-// Height above the cluster's plane from which on things are in the map; in units of the distance that the maps end at.
-const float LEAST_HEIGHT = 1e-5;

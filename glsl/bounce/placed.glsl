@@ -18,7 +18,7 @@ uint layer_of();
 
 void main() {
     uint layer = layer_of();
-    vec3 world = draws.at[gl_BaseInstance].transform * vec4(position, 1.0);
+    vec3 world = draws.at[parts.at[gl_BaseInstance].draw].transform * vec4(position, 1.0);
     vec3 local = map_space(clusters.at[layer], world);
     gl_Layer = int(layer);
     gl_Position = map_clip(local, params.far);

@@ -17,3 +17,4 @@ layout(scalar, push_constant) uniform Params {
 } params;
 
 layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
+layout(scalar) readonly buffer Parts { PartData at[]; } parts; // by the first instance

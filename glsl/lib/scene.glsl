@@ -7,6 +7,13 @@ struct DrawData {
     uint double_sided; // of the material
 };
 
+// A part of a draw, with the box around it in the world.
+struct PartData {
+    vec3 box_min;
+    uint draw;
+    vec3 box_max;
+};
+
 // Where a material looks a map up.
 struct MapUse {
     mat2 matrix;

@@ -34,6 +34,14 @@ shader_struct! {
         pub first_instance: u32,
     }
 
+    /// A part of a draw: `glsl/lib/scene.glsl`.
+    pub struct PartData {
+        /// The box around it in the world.
+        pub box_min: [f32; 3],
+        pub draw: u32,
+        pub box_max: [f32; 3],
+    }
+
     /// A material: `glsl/lib/scene.glsl`.
     pub struct MaterialData {
         pub base_color: [f32; 4],
@@ -128,6 +136,16 @@ pub struct DeviceScene {
     blank: ImageId,
     buckets: Vec<Bucket>,
     pub triangle_table: Triangles,
+}
+
+/// All of a scene, in parts that a pass may leave out before they are drawn.
+pub struct Parts {
+    pub lists: Vec<DrawList>,
+    /// [`PartData`] of each.
+    pub parts: Buffer,
+    /// Of each part the arguments that the lists draw it with: its number as the first instance, and no instances yet.
+    pub arguments: Buffer,
+    pub count: u32,
 }
 
 /// A scene's buffers in one frame's graph.
@@ -242,6 +260,31 @@ impl DeviceScene {
         }
         let arguments = g.upload(&format!("{name}/arguments"), &arguments);
         ranges.into_iter().map(|(bucket, first, count)| self.draw_list(&bucket.key, arguments, first, count, maps)).collect()
+    }
+
+    /// Everything in parts, whose instances a pass on the device is to count.
+    pub fn parts(&self, g: &mut Graph, name: &str, maps: Maps) -> Parts {
+        let placed = self.buckets.iter().flat_map(|bucket| &bucket.draws);
+        let data: Vec<PartData> = placed
+            .clone()
+            .map(|draw| PartData { box_min: draw.bounds.min.into(), draw: draw.arguments.first_instance, box_max: draw.bounds.max.into() })
+            .collect();
+        let arguments: Vec<DrawArguments> =
+            placed.zip(0..).map(|(draw, number)| DrawArguments { instance_count: 0, first_instance: number, ..draw.arguments }).collect();
+        let count = data.len() as u32;
+        // Buffers are never empty.
+        let pad = usize::from(data.is_empty());
+        let data: Vec<PartData> = data.into_iter().chain(std::iter::repeat_n(bytemuck::Zeroable::zeroed(), pad)).collect();
+        let arguments: Vec<DrawArguments> = arguments.into_iter().chain(std::iter::repeat_n(bytemuck::Zeroable::zeroed(), pad)).collect();
+        let parts = g.upload(&format!("{name}/parts"), &data);
+        let arguments = g.upload(&format!("{name}/arguments"), &arguments);
+        let mut first = 0;
+        let lists = self.buckets.iter().map(|bucket| {
+            let count = bucket.draws.len() as u32;
+            first += count;
+            self.draw_list(&bucket.key, arguments, first - count, count, maps)
+        });
+        Parts { lists: lists.collect(), parts, arguments, count }
     }
 
     /// All triangles as patches to tessellate, whatever any view sees, without their materials.

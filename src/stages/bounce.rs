@@ -5,7 +5,7 @@ use super::vpls::{VplPoint, Vpls};
 use crate::config::{BounceConfig, Centers, Config, Layers, Pattern, Representative, VisibilityMethod};
 use crate::gpu::Format;
 use crate::graph::{Buffer, Graph, Image};
-use crate::scene::device::{DeviceScene, Maps, SceneHandles};
+use crate::scene::device::{DeviceScene, Maps, Parts, SceneHandles};
 use crate::shader_struct;
 
 shader_struct! {
@@ -33,6 +33,14 @@ shader_struct! {
         place_weight: f32,
         normal_weight: f32,
         seed: u32,
+    }
+
+    struct CullParams {
+        parts: u32,
+        first: u32,
+        clusters: u32,
+        far: f32,
+        all: u32,
     }
 
     struct DrawParams {
@@ -172,19 +180,18 @@ fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, clusters: &Cl
         layer,
         layers: count,
     };
-    // The device alone knows where clusters are: everything is drawn for all of them.
-    let everything = |_| Some(0.0);
-    let (shader, instances) = match config.layers {
-        Layers::GeometryShader => ("bounce/draw-geometry", count.div_ceil(8)),
-        Layers::Instanced => ("bounce/draw-instanced", count),
+    let (shader, group) = match config.layers {
+        Layers::GeometryShader => ("bounce/draw-geometry", 8),
+        Layers::Instanced => ("bounce/draw-instanced", 1),
         Layers::PerLayer => {
             for layer in 0..count {
                 g.again(layer + 1, |g| {
-                    let lists = scene.draw_lists(g, "bounce", Maps::Reflection, 1, everything);
+                    let (parts, _) = seen_parts(g, scene, clusters, [layer, 1], 1);
                     let pass = g
                         .raster("bounce/draw")
                         .shader("bounce/draw-layer")
                         .reads("draws", handles.draws)
+                        .reads("parts", parts.parts)
                         .reads("clusters", clusters.clusters)
                         .params(&params(layer));
                     let pass = match layer {
@@ -199,23 +206,42 @@ fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, clusters: &Cl
                             .color_over("albedo", clusters.albedos)
                             .depth_over(depth),
                     };
-                    pass.draw(lists);
+                    pass.draw(parts.lists);
                 });
             }
             return;
         }
     };
-    let lists = scene.draw_lists(g, "bounce", Maps::Reflection, instances, everything);
+    let (parts, layers) = seen_parts(g, scene, clusters, [0, count], group);
     g.raster("bounce/draw")
         .shader(shader)
         .reads("draws", handles.draws)
+        .reads("parts", parts.parts)
+        .reads("layers", layers)
         .reads("clusters", clusters.clusters)
         .params(&params(0))
         .color("distances", clusters.distances, [1.0; 4])
         .color("normal", clusters.normals, [0.0; 4])
         .color("albedo", clusters.albedos, [0.0; 4])
         .depth(depth)
-        .draw(lists);
+        .draw(parts.lists);
+}
+
+/// The scene's parts with an instance for each of the clusters (first and number) whose hemisphere they reach into, or for each group of so
+/// many; beside them, which cluster or group each part's instances are for.
+fn seen_parts(g: &mut Graph, scene: &DeviceScene, clusters: &Clusters, [first, count]: [u32; 2], group: u32) -> (Parts, Buffer) {
+    let parts = scene.parts(g, "bounce", Maps::Reflection);
+    let layers = g.buffer::<u32>("bounce/layers", parts.count.max(1) * count);
+    let all = u32::from(g.is_warming_up());
+    g.compute("bounce/cull")
+        .reads("clusters", clusters.clusters)
+        .reads("parts", parts.parts)
+        .updates("arguments", parts.arguments)
+        .writes("layers", layers)
+        .constant("GROUP", group)
+        .params(&CullParams { parts: parts.count, first, clusters: count, far: clusters.far, all })
+        .dispatch([parts.count, 1, 1]);
+    (parts, layers)
 }
 
 /// VPLs of the next bounce: samples of the clusters' maps (section III-C), with the flux that the cluster sends there. Counts

@@ -386,10 +386,7 @@ fn a_cluster_of_one_vpl_sees_what_rays_see() {
         (0..picture.indirect.values.len() / 4).map(|i| picture.indirect.at(i)).collect::<Vec<_>>()
     };
     let [rays, maps, none] = [VisibilityMethod::RayTraced, VisibilityMethod::Clusters, VisibilityMethod::None].map(&mut indirect);
-    let error = |test: &[[f32; 4]]| {
-        let channels = test.iter().zip(&rays).flat_map(|(t, r)| (0..3).map(|c| (f64::from(t[c]), f64::from(r[c]))));
-        channels.map(|(t, r)| (t - r).powi(2) / (r * r + 0.01)).sum::<f64>() / (3 * rays.len()) as f64
-    };
+    let error = |test: &[[f32; 4]]| relmse(test, &rays);
     println!(
         "relMSE {:.5}, without shadows {:.5}; energy {:.4}",
         error(&maps),
