@@ -89,13 +89,14 @@ pub struct Rendered {
 impl Rendered {
     /// What a user should know of how this frame went.
     pub fn warnings(&self) -> Vec<String> {
-        let dropped = self.counts.iter().find(|(name, count)| name == "visibility/dropped-points" && *count > 0);
+        // Of each bounce's maps.
+        let dropped = self.counts.iter().filter(|(name, count)| name.starts_with("visibility/dropped-points") && *count > 0);
         let warning = |(_, count): &(String, u64)| {
             format!(
                 "visibility.capacity: {count} points came to partitions that do not hold as many and were left out; raise it, or leave it to the program"
             )
         };
-        dropped.map(warning).into_iter().collect()
+        dropped.map(warning).collect()
     }
 }
 

@@ -134,8 +134,7 @@ impl Graph {
     }
 
     /// Describes for the `time`th time what a frame has several times: from the second time on, all passes and resources are named
-    /// with `#` and the time behind, and so keep apart; what is
-    /// described several times within that, with `-`.
+    /// with `#` and the time behind, and so keep apart; what is described several times within that, with `-`.
     pub fn again<R>(&mut self, time: u32, describe: impl FnOnce(&mut Self) -> R) -> R {
         let outer = self.suffix.len();
         if time > 1 {

@@ -467,7 +467,7 @@ fn the_second_bounce_takes_every_way_to_find_shadows() {
     finish(renderer.gpu());
 }
 
-/// Lights of every kind, one of which moves, and a camera that does.
+/// Lights of every kind, one of which moves.
 #[test]
 fn clusters_follow_moving_lights_of_every_kind() {
     let (scene, mut config) = small_atrium();
