@@ -4,6 +4,7 @@ struct Cluster {
     uint normal;  // octahedral_snorm16
     vec3 flux;    // that its VPLs reflect, W
     uint members;
+    float spread; // mean square of their distance from the cluster's mean, m^2
 };
 
 const uint MOST_CLUSTERS = 64u;

@@ -47,7 +47,6 @@ shared uint members[MOST_CLUSTERS];
 shared vec4 sums[INVOCATIONS];
 shared vec3 more_sums[INVOCATIONS];
 shared uint numbers[INVOCATIONS];
-shared uint hashes[INVOCATIONS];
 shared bool moved;
 
 bool is_lit(uint i) { return any(greaterThan(intensities.at[i], vec3(0.0))); }
@@ -68,31 +67,42 @@ void main() {
 
     bool fresh = RESEED || frames.count == 0u;
     if (fresh) {
-        // A VPL with light at random for each cluster: the one with the least hash. Two may be the same; one of them is soon empty.
-        uint least = 0xffffffffu, chosen = NO_CLUSTER;
-        for (uint i = begin; i < end; i++) {
-            uint hash = pcg4d(uvec4(i, mine, RESEED ? frames.count : 0u, params.seed)).x;
-            if (is_lit(i) && (chosen == NO_CLUSTER || hash < least)) {
-                least = hash;
-                chosen = i;
-            }
-        }
-        numbers[me] = chosen;
-        hashes[me] = least;
-        barrier();
-        if (me < k) {
-            chosen = NO_CLUSTER;
-            for (uint p = 0u; p < parts(); p++) {
-                uint other = numbers[p * k + me];
-                if (other == NO_CLUSTER) continue;
-                uint hash = hashes[p * k + me];
-                if (chosen == NO_CLUSTER || hash < least) {
-                    least = hash;
-                    chosen = other;
+        // Centres are VPLs with light, the first any, each further one the likelier the square of its distance from those that there are
+        // (k-means++): the least of exponential variates at that rate. Labels hold the distances till there are labels.
+        uint frame = RESEED ? frames.count : 0u;
+        for (uint j = 0u; j < k; j++) {
+            float least = 0.0;
+            uint chosen = NO_CLUSTER;
+            for (uint i = me; i < params.count; i += INVOCATIONS) {
+                if (!is_lit(i)) continue;
+                float nearest = 1.0;
+                if (j > 0u) {
+                    nearest = distance_to(j - 1u, points.at[i].position, normal_of(i));
+                    if (j > 1u) nearest = min(nearest, uintBitsToFloat(labels.at[i]));
+                    labels.at[i] = floatBitsToUint(nearest);
+                }
+                float variate = -log(1.0 - random(i, j, frame, params.seed).x) / (nearest * nearest);
+                if (nearest > 0.0 && (chosen == NO_CLUSTER || variate < least)) {
+                    least = variate;
+                    chosen = i;
                 }
             }
-            place[me] = chosen == NO_CLUSTER ? vec3(0.0) : points.at[chosen].position;
-            facing[me] = chosen == NO_CLUSTER ? vec3(0.0, 1.0, 0.0) : normal_of(chosen);
+            numbers[me] = chosen;
+            sums[me].x = least;
+            barrier();
+            if (me == 0u) {
+                for (uint i = 0u; i < INVOCATIONS; i++) {
+                    if (numbers[i] == NO_CLUSTER) continue;
+                    if (chosen == NO_CLUSTER || sums[i].x < least || (sums[i].x == least && numbers[i] < chosen)) {
+                        least = sums[i].x;
+                        chosen = numbers[i];
+                    }
+                }
+                // Fewer places than clusters: the rest stay empty.
+                place[j] = chosen != NO_CLUSTER ? points.at[chosen].position : j > 0u ? place[0] : vec3(0.0);
+                facing[j] = chosen != NO_CLUSTER ? normal_of(chosen) : j > 0u ? facing[0] : vec3(0.0, 1.0, 0.0);
+            }
+            barrier();
         }
     } else if (me < k) {
         place[me] = centres.at[me].position;
@@ -194,10 +204,13 @@ void main() {
     float least = 0.0;
     uint chosen = NO_CLUSTER, held = 0u;
     vec3 flux = vec3(0.0);
+    float squares = 0.0;
     for (uint i = begin; i < end; i++) {
         if (labels.at[i] != mine) continue;
         held++;
         flux += PI * intensities.at[i];
+        vec3 from_mean = points.at[i].position - place[mine];
+        squares += dot(from_mean, from_mean);
         float d = distance_to(mine, points.at[i].position, normal_of(i));
         if (chosen == NO_CLUSTER || d < least) {
             least = d;
@@ -206,22 +219,24 @@ void main() {
     }
     barrier();
     sums[me] = vec4(flux, least);
-    more_sums[me].x = float(held);
+    more_sums[me].xy = vec2(held, squares);
     numbers[me] = chosen;
     barrier();
     if (me >= k) return;
-    Cluster cluster = Cluster(vec3(0.0), 0u, vec3(0.0), 0u);
+    Cluster cluster = Cluster(vec3(0.0), 0u, vec3(0.0), 0u, 0.0);
     chosen = NO_CLUSTER;
     for (uint p = 0u; p < parts(); p++) {
         uint other = p * k + me;
         cluster.flux += sums[other].rgb;
         cluster.members += uint(more_sums[other].x);
+        cluster.spread += more_sums[other].y;
         if (numbers[other] != NO_CLUSTER && (chosen == NO_CLUSTER || sums[other].w < least)) {
             least = sums[other].w;
             chosen = numbers[other];
         }
     }
     if (chosen != NO_CLUSTER) {
+        cluster.spread /= float(cluster.members);
         cluster.position = place[me];
         cluster.normal = octahedral_snorm16(facing[me]);
         if (NEAREST_MEMBER) {

@@ -14,12 +14,12 @@ layout(constant_id = 0) const bool DISK = true;
 
 layout(scalar, push_constant) uniform Params {
     uint count;    // VPLs
-    uint clusters;
     int size;      // of a map
     float far;     // metres
 } params;
 
 layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) readonly buffer Starts { uint at[]; } starts; // a cluster's first VPL, and their number last
 uniform sampler2DArray distances;
 uniform sampler2DArray normals;
 uniform sampler2DArray albedos;
@@ -36,12 +36,10 @@ void main() {
     if (index >= params.count) return;
     // So that pixels' sample sets get some of every cluster's.
     uint sample_index = permutation(index, params.count);
-    // The first clusters get what the division leaves over.
-    uint share = params.count / params.clusters, rest = params.count % params.clusters;
-    uint larger = (share + 1u) * rest;
-    uint number = sample_index < larger ? sample_index / (share + 1u) : rest + (sample_index - larger) / max(share, 1u);
-    uint count = share + uint(number < rest);
-    vec2 u = hammersley(sample_index - (number * share + min(number, rest)), count);
+    uint number = 0u;
+    while (starts.at[number + 1u] <= sample_index) number++;
+    uint count = starts.at[number + 1u] - starts.at[number];
+    vec2 u = hammersley(sample_index - starts.at[number], count);
     vec2 p = 2.0 * u - 1.0;
     float area = 4.0 / float(count);
     if (DISK) {
@@ -67,7 +65,8 @@ void main() {
             point.normal = octahedral_snorm16(octahedral_inverse(texelFetch(normals, texel, 0).xy));
             float cosine = (1.0 - squared) / (1.0 + squared), solid_angle = 4.0 * area / ((1.0 + squared) * (1.0 + squared));
             intensity = cluster.flux * (cosine * solid_angle / PI) * texelFetch(albedos, texel, 0).rgb / PI;
-            beam = solid_angle * d * d;
+            // The beam's width there, which is not less than what comes from all of the cluster's places has.
+            beam = solid_angle * (d * d + cluster.spread);
         }
     }
     points.at[index] = point;

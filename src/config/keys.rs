@@ -3,8 +3,8 @@
 
 use super::{
     BounceVisibility, Builtin, Centers, Collect, Config, Culling, Dielectric, Emitters, FilterKind, GatherMethod, Interpolation,
-    IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Representative, Shadows, SsaoMethod, SsaoResolution, TimingMode, Tonemap,
-    VisibilityMethod, VplSampler,
+    IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Representative, Shadows, Shares, SsaoMethod, SsaoResolution, TimingMode,
+    Tonemap, VisibilityMethod, VplSampler,
 };
 use serde::Deserialize;
 use serde::de::{self, Visitor};
@@ -250,6 +250,11 @@ fn list() -> Vec<KeyInfo> {
         key("bounce.map_size", OneOf(&[64, 128, 256, 512, 1024]), "Side of a cluster's map, texels"),
         key("bounce.layers", Choice(choices::<Layers>()), "How the maps of all clusters are filled"),
         key("bounce.pattern", Choice(choices::<Pattern>()), "Where samples lie in a map: over its disk, or over the square around it"),
+        key(
+            "bounce.shares",
+            Choice(choices::<Shares>()),
+            "How many of the lights below a cluster gets: as many as any, or by the flux that it passes on",
+        ),
         key("bounce.vpls", Whole { min: 1, max: 65_536 }, "Virtual point lights of each bounce after the first, in all"),
         key("bounce.visibility", Choice(choices::<BounceVisibility>()), "How their shadows are found"),
         key("visibility.method", Choice(choices::<VisibilityMethod>()), "How a virtual point light's shadows are found"),

@@ -19,7 +19,7 @@ pub use scene::{Builtin, CameraConfig, CameraKeyframe, Interpolation, LightConfi
 pub use stages::{
     BounceConfig, BounceVisibility, BoxConfig, Centers, Collect, ComposeConfig, Culling, Dielectric, DirectConfig, Emitters, FilterConfig,
     FilterKind, FrameConfig, GatherConfig, GatherMethod, IsmRenderer, Layer, Layers, Lookup, MaterialsConfig, OutputConfig, Pattern,
-    PointSet, Representative, RsmConfig, Shadows, SsaoConfig, SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityConfig,
+    PointSet, Representative, RsmConfig, Shadows, Shares, SsaoConfig, SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityConfig,
     VisibilityMethod, VplSampler, VplsConfig,
 };
 

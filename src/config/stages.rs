@@ -126,6 +126,7 @@ pub struct BounceConfig {
     pub map_size: u32,
     pub layers: Layers,
     pub pattern: Pattern,
+    pub shares: Shares,
     /// Virtual point lights of each bounce after the first, in all, 1 to 65,536.
     pub vpls: u32,
     pub visibility: BounceVisibility,
@@ -144,6 +145,7 @@ impl Default for BounceConfig {
             map_size: 256,
             layers: Layers::Instanced,
             pattern: Pattern::Disk,
+            shares: Shares::Equal,
             vpls: 256,
             visibility: BounceVisibility::None,
         }
@@ -194,6 +196,17 @@ pub enum Pattern {
     Disk,
     /// Evenly over the whole map, its empty corners too.
     Box,
+}
+
+/// How the virtual point lights of a bounce are shared out among the clusters that they come from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shares {
+    /// Each gets as many.
+    #[default]
+    Equal,
+    /// By the flux that each passes on; at least one.
+    Flux,
 }
 
 /// What the virtual point lights of further bounces see: as in `[visibility]`.

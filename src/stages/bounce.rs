@@ -2,7 +2,7 @@
 //! each cluster sees, and VPLs of the next bounce where samples of the maps lie.
 
 use super::vpls::{VplPoint, Vpls};
-use crate::config::{BounceConfig, Centers, Config, Layers, Pattern, Representative, VisibilityMethod};
+use crate::config::{BounceConfig, Centers, Config, Layers, Pattern, Representative, Shares, VisibilityMethod};
 use crate::gpu::Format;
 use crate::graph::{Buffer, Graph, Image};
 use crate::scene::device::{DeviceScene, Maps, Parts, SceneHandles};
@@ -17,6 +17,8 @@ shader_struct! {
         /// That its VPLs reflect, W.
         pub flux: [f32; 3],
         pub members: u32,
+        /// Mean square of their distance from the cluster's mean, m^2.
+        pub spread: f32,
     }
 
     /// What k-means keeps of a cluster from frame to frame.
@@ -51,9 +53,14 @@ shader_struct! {
         layers: u32,
     }
 
-    struct SampleParams {
+    struct SharesParams {
         count: u32,
         clusters: u32,
+        size: i32,
+    }
+
+    struct SampleParams {
+        count: u32,
         size: i32,
         far: f32,
     }
@@ -96,8 +103,9 @@ fn turns_a_round(vpls: u32, clusters: u32) -> u64 {
 
 /// Rounds of k-means that a frame can have with so many VPLs and clusters.
 pub fn most_rounds(vpls: u32, clusters: u32) -> u32 {
-    // Two more loops over the VPLs begin and end it.
-    (MOST_TURNS / turns_a_round(vpls, clusters)).saturating_sub(2).min(64) as u32
+    let first_centres = u64::from(clusters) * (u64::from(vpls).div_ceil(256) + 257);
+    // One more loop over the VPLs ends it.
+    (MOST_TURNS.saturating_sub(first_centres) / turns_a_round(vpls, clusters)).saturating_sub(1).min(64) as u32
 }
 
 /// The config's bounces, the first one's VPLs being given.
@@ -255,8 +263,19 @@ fn sample(g: &mut Graph, clusters: &Clusters, config: &BounceConfig) -> Vpls {
         areas: g.buffer::<f32>("bounce/areas", count),
     };
     let (wasted, lit) = (g.count("bounce/wasted"), g.count("bounce/lit"));
+    let starts = g.buffer::<u32>("bounce/starts", clusters.count + 1);
+    let size = clusters.size as i32;
+    g.compute("bounce/shares")
+        .reads("clusters", clusters.clusters)
+        .reads("distances", clusters.distances)
+        .reads("albedos", clusters.albedos)
+        .writes("starts", starts)
+        .constant("BY_FLUX", config.shares == Shares::Flux)
+        .params(&SharesParams { count, clusters: clusters.count, size })
+        .dispatch_groups([1, 1, 1]);
     g.compute("bounce/sample")
         .reads("clusters", clusters.clusters)
+        .reads("starts", starts)
         .reads("distances", clusters.distances)
         .reads("normals", clusters.normals)
         .reads("albedos", clusters.albedos)
@@ -266,7 +285,7 @@ fn sample(g: &mut Graph, clusters: &Clusters, config: &BounceConfig) -> Vpls {
         .updates("wasted", wasted)
         .updates("lit", lit)
         .constant("DISK", config.pattern == Pattern::Disk)
-        .params(&SampleParams { count, clusters: clusters.count, size: clusters.size as i32, far: clusters.far })
+        .params(&SampleParams { count, size, far: clusters.far })
         .dispatch([count, 1, 1]);
     vpls
 }

@@ -5,7 +5,7 @@ use bytemuck::pod_collect_to_vec;
 use glam::{DVec3, Vec2, Vec3};
 use manylight::config::{
     BounceVisibility, Builtin, Centers, Config, Emitters, FilterKind, Layers, LightConfig, LightKeyframe, Pattern, Representative,
-    SceneConfig, VisibilityMethod, VplSampler,
+    SceneConfig, Shares, VisibilityMethod, VplSampler,
 };
 use manylight::graph::Execution;
 use manylight::reference::Layer;
@@ -66,7 +66,14 @@ fn the_second_bounce_carries_the_flux_that_its_clusters_reflect() {
     let albedo = DVec3::new(0.6, 0.5, 0.3);
     let (scene, mut config) = closed_box(albedo);
     let mut renderer = renderer(scene);
-    for (count_of_clusters, pattern) in [(1, Pattern::Disk), (4, Pattern::Disk), (8, Pattern::Disk), (1, Pattern::Box)] {
+    for (count_of_clusters, pattern, shares) in [
+        (1, Pattern::Disk, Shares::Equal),
+        (4, Pattern::Disk, Shares::Equal),
+        (8, Pattern::Disk, Shares::Equal),
+        (8, Pattern::Disk, Shares::Flux),
+        (1, Pattern::Box, Shares::Equal),
+    ] {
+        config.bounce.shares = shares;
         config.bounce.clusters = count_of_clusters;
         config.bounce.pattern = pattern;
         let rendered = dump(&mut renderer, &config, 0, &["vpls/hammersley", "bounce/k-means", "bounce/sample"]);
@@ -99,6 +106,29 @@ fn samples_over_the_disk_waste_nothing_and_those_over_the_box_its_corners() {
     let (wasted, lit) = wasted(Pattern::Box);
     assert!((1016..=1024).contains(&(wasted + lit)), "{wasted} of 1024 wasted, {lit} lit");
     assert!((wasted as f64 / 1024.0 - (1.0 - FRAC_PI_4)).abs() < 0.02, "{wasted} of 1024");
+    finish(renderer.gpu());
+}
+
+#[test]
+fn shares_by_flux_spend_vpls_where_light_goes_on_and_keep_its_sum() {
+    let (scene, mut config) = small_atrium();
+    config.bounce.vpls = 4096;
+    let mut renderer = renderer(scene);
+    let mut passed_on = |shares| {
+        config.bounce.shares = shares;
+        let rendered = dump(&mut renderer, &config, 0, &["bounce/sample"]);
+        let fluxes: Vec<f64> = intensities(&rendered, "bounce/intensities").into_iter().map(|v| v.element_sum()).collect();
+        let (sum, squares) = fluxes.iter().fold((0.0, 0.0), |(sum, squares), flux| (sum + flux, squares + flux * flux));
+        (sum, squares / (sum * sum) * fluxes.len() as f64, count(&rendered, "bounce/lit"))
+    };
+    let (equal, equal_spread, equal_lit) = passed_on(Shares::Equal);
+    let (flux, flux_spread, flux_lit) = passed_on(Shares::Flux);
+    println!(
+        "flux {flux:.2} of {equal:.2}; mean square over squared mean {flux_spread:.2}, {equal_spread:.2}; lit {flux_lit}, {equal_lit}"
+    );
+    assert!((flux / equal - 1.0).abs() < 0.05, "{flux} by flux, {equal} in equal shares");
+    assert!(flux_spread < 0.8 * equal_spread, "VPLs' flux spreads by {flux_spread}, {equal_spread} in equal shares");
+    assert!(flux_lit > equal_lit, "{flux_lit} lit, {equal_lit} in equal shares");
     finish(renderer.gpu());
 }
 

@@ -1,0 +1,63 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// How many VPLs of the next bounce each cluster gets: as many as any other, or by the flux that it passes on, so that VPLs are about as strong
+// as one another and none are spent on what sees the sky. One workgroup, which estimates that flux with a few samples of each map.
+#include "bounce/map.glsl"
+#include "lib/color.glsl"
+#include "lib/hammersley.glsl"
+
+const uint INVOCATIONS = 256u;
+layout(local_size_x = 256) in;
+layout(constant_id = 0) const bool BY_FLUX = true;
+
+layout(scalar, push_constant) uniform Params {
+    uint count;    // VPLs
+    uint clusters;
+    int size;      // of a map
+} params;
+
+layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+uniform sampler2DArray distances;
+uniform sampler2DArray albedos;
+layout(scalar) writeonly buffer Starts { uint at[]; } starts; // a cluster's first VPL, and their number last
+
+const float PI = 3.14159265358979;
+const uint SAMPLES = 4u; // of a map by an invocation
+shared float sums[INVOCATIONS];
+shared float passed[MOST_CLUSTERS];
+
+void main() {
+    uint me = gl_LocalInvocationIndex;
+    for (uint j = 0u; j < params.clusters; j++) {
+        float sum = 0.0;
+        for (uint i = 0u; i < SAMPLES; i++) {
+            vec2 u = hammersley(me * SAMPLES + i, INVOCATIONS * SAMPLES);
+            vec2 p = sqrt(u.x) * vec2(cos(2.0 * PI * u.y), sin(2.0 * PI * u.y));
+            ivec3 texel = ivec3(clamp(ivec2((p * 0.5 + 0.5) * float(params.size)), ivec2(0), ivec2(params.size - 1)), int(j));
+            if (texelFetch(distances, texel, 0).r >= 1.0) continue;
+            float squared = dot(p, p), one = 1.0 + squared;
+            sum += luminance(clusters.at[j].flux * texelFetch(albedos, texel, 0).rgb) * (1.0 - squared) / (one * one * one);
+        }
+        sums[me] = BY_FLUX ? sum : 1.0;
+        barrier();
+        for (uint step = INVOCATIONS / 2u; step > 0u; step /= 2u) {
+            if (me < step) sums[me] += sums[me + step];
+            barrier();
+        }
+        if (me == 0u) passed[j] = sums[0];
+        barrier();
+    }
+    if (me > 0u) return;
+    // At least one each, where there are so many.
+    float total = 0.0;
+    for (uint j = 0u; j < params.clusters; j++) total += passed[j];
+    uint least = params.count >= params.clusters ? 1u : 0u, free = params.count - least * params.clusters;
+    float before = 0.0;
+    for (uint j = 0u; j < params.clusters; j++) {
+        float part = total > 0.0 ? before / total : float(j) / float(params.clusters);
+        starts.at[j] = least * j + min(uint(part * float(free)), free);
+        before += passed[j];
+    }
+    starts.at[params.clusters] = params.count;
+}
