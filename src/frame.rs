@@ -6,6 +6,7 @@ use crate::scene::device::DeviceScene;
 use crate::scene::projection::{Projector, View};
 use crate::scene::traced::TracedScene;
 use crate::stages::compose::Composed;
+use crate::stages::gather::Roulette;
 use crate::stages::gbuffer::GBuffer;
 use crate::stages::visibility::Surroundings;
 use crate::stages::{bounce, compose, direct, filter, gather, gbuffer, rsm, ssao, visibility, vpls};
@@ -31,12 +32,12 @@ pub struct Frame {
     pub composed: Composed,
 }
 
-/// Many-light global illumination, one slot a line.
-pub fn frame(g: &mut Graph, scene: &DeviceScene, traced: Option<&TracedScene>, view: &View, lighting: &Lighting, config: &Config) -> Frame {
+/// Many-light global illumination, one slot a line; frame number `index` of its sequence.
+pub fn frame(g: &mut Graph, scene: &DeviceScene, traced: Option<&TracedScene>, view: &View, lighting: &Lighting, config: &Config, index: u32) -> Frame {
     let handles = scene.import(g);
     let traced = traced.map(|traced| traced.import(g));
     let gbuffer = gbuffer::draw(g, scene, handles, view);
-    let rsm = rsm::draw(g, scene, handles, &lighting.projectors, config.rsm.size, config.vpls.count);
+    let rsm = rsm::draw(g, scene, handles, &lighting.projectors, config);
     let vpls = vpls::sample(g, &rsm, &gbuffer, &config.vpls);
     let bounces = bounce::propagate(g, scene, handles, vpls, config);
     let around = Surroundings {
@@ -48,7 +49,8 @@ pub fn frame(g: &mut Graph, scene: &DeviceScene, traced: Option<&TracedScene>, v
         seed: config.frame.seed,
     };
     let lights = visibility::render(g, around, &bounces, config);
-    let indirect = gather::indirect(g, &gbuffer, &lights, &config.gather);
+    let roulette = Roulette::of(config, index);
+    let indirect = gather::indirect(g, &gbuffer, &lights, roulette, &config.gather);
     let irradiance = filter::smooth(g, &gbuffer, indirect, config.gather.interleave, &config.filter);
     let visible = ssao::occlusion(g, &gbuffer, &config.ssao);
     let direct = direct::shade(g, scene, traced.as_ref(), &gbuffer, &rsm, config.materials.dielectric, &config.direct);

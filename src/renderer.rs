@@ -290,7 +290,7 @@ impl Renderer {
         }
         let maps = self.lighting(config, 0)?.projectors.len() as u64;
         let texels = maps * u64::from(map[0]) * u64::from(map[1]);
-        let count = u64::from(config.vpls.count);
+        let count = u64::from(config.vpl_count(maps as u32));
         if count < maps || count > texels {
             return Err(fail!(
                 BadInput,
@@ -298,7 +298,7 @@ impl Renderer {
             ));
         }
         if clustered(config) {
-            let counts = [("vpls.count", config.vpls.count), ("bounce.vpls", config.bounce.vpls)];
+            let counts = [("vpls.count", count as u32), ("bounce.vpls", config.bounce.vpls)];
             for (key, count) in &counts[..if config.bounce.count > 2 { 2 } else { 1 }] {
                 if bounce::most_rounds(*count, config.bounce.clusters) == 0 {
                     return Err(fail!(
@@ -310,7 +310,7 @@ impl Renderer {
             }
         }
         let most = u64::from(limits.image_layers) * u64::from(visibility::BITS);
-        let lists = [("vpls.count", config.vpls.count), ("bounce.vpls", if config.bounce.count > 1 { config.bounce.vpls } else { 0 })];
+        let lists = [("vpls.count", count as u32), ("bounce.vpls", if config.bounce.count > 1 { config.bounce.vpls } else { 0 })];
         for ((key, count), method) in lists.into_iter().zip(config.visibility_methods()) {
             let each = u64::from(gather::vpls_a_pixel(count, config.gather.interleave));
             if method == VisibilityMethod::RayTraced && each > most {
@@ -331,6 +331,11 @@ impl Renderer {
             }
         }
         Ok(())
+    }
+
+    /// Virtual point lights of the first bounce.
+    pub fn vpl_count(&self, config: &Config) -> u32 {
+        config.vpl_count(self.lighting(config, 0).map_or(1, |lighting| lighting.projectors.len() as u32))
     }
 
     fn lighting(&self, config: &Config, frame_index: u32) -> Result<Lighting> {
@@ -372,7 +377,7 @@ impl Renderer {
         let bent = "scene.split: is not set, and the maps of clusters bend the edges of large triangles; 0.02 is a good value";
         let slow =
             "bounce.rounds: so many VPLs and clusters have fewer rounds of k-means a frame; clusters may be unsettled for some frames";
-        let few = clustered(config) && bounce::most_rounds(config.vpls.count, config.bounce.clusters) < config.bounce.rounds;
+        let few = clustered(config) && bounce::most_rounds(config.vpl_count(1), config.bounce.clusters) < config.bounce.rounds;
         let warnings = [
             environment.then_some(warning),
             lights.iter().any(wide).then_some(cut),
@@ -418,7 +423,7 @@ impl Renderer {
         let _span = trace::span("describing");
         let view = self.view(config, frame_index)?;
         let lighting = self.lighting(config, frame_index)?;
-        Ok((frame(g, &self.device_scene, self.traced.as_ref(), &view, &lighting, config), view))
+        Ok((frame(g, &self.device_scene, self.traced.as_ref(), &view, &lighting, config, frame_index), view))
     }
 
     /// Renders frame `frame_index`; its images are only brought back where `pictured`. A frame that comes right after the one before it of the same

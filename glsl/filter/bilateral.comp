@@ -6,3 +6,5 @@
 #include "filter/separable.glsl"
 
 float weight_of(int offset, int radius) { return float(radius - abs(offset)); }
+
+float likeness(float off_plane, float cosine, float min_cosine) { return float(off_plane <= 1.0 && cosine >= min_cosine); }

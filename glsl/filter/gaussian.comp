@@ -9,3 +9,5 @@ float weight_of(int offset, int radius) {
     float deviations = 3.0 * float(offset) / float(radius);
     return exp(-0.5 * deviations * deviations);
 }
+
+float likeness(float off_plane, float cosine, float min_cosine) { return float(off_plane <= 1.0 && cosine >= min_cosine); }

@@ -1,6 +1,9 @@
 // One direction of a separable filter that keeps to a pixel's own surface. Whoever includes it defines
 //     float weight_of(int offset, int radius);
-// how much a pixel so far off counts: nothing from the radius on.
+// how much a pixel so far off counts: nothing from the radius on; and
+//     float likeness(float off_plane, float cosine, float min_cosine);
+// how much one counts whose distance from the pixel's tangent plane is that many times `plane_distance`, and whose normal has that cosine to
+// the pixel's, which is 1 for the pixel itself.
 #include "lib/packing.glsl"
 #include "lib/view.glsl"
 
@@ -20,6 +23,7 @@ layout(rgba16f) readonly uniform image2D noisy;
 layout(rgba16f) writeonly uniform image2D smoothed;
 
 float weight_of(int offset, int radius);
+float likeness(float off_plane, float cosine, float min_cosine);
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -45,8 +49,8 @@ void main() {
         if (other_z <= 0.0) continue;
         float distance = abs(dot(n, view_position(view.it, other, other_z) - x));
         float cosine = dot(n, octahedral_inverse(imageLoad(normal, other).xy));
-        float weight = weight_of(offset, params.radius);
-        if (distance <= reach && cosine >= params.min_cosine) {
+        float weight = weight_of(offset, params.radius) * likeness(distance / reach, cosine, params.min_cosine);
+        if (weight > 0.0) {
             sum += imageLoad(noisy, other).rgb * weight;
             weights += weight;
         }

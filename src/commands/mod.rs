@@ -75,7 +75,7 @@ fn counts(renderer: &Renderer, config: &Config, first_pass_ms: Option<u64>, coun
     let known = [
         ("scene/triangles", Some(renderer.device_scene().triangles)),
         ("start/first-pass-ms", first_pass_ms),
-        ("vpls/count", Some(u64::from(config.vpls.count))),
+        ("vpls/count", Some(u64::from(renderer.vpl_count(config)))),
         ("device/memory-bytes", Some(renderer.gpu().memory_in_use())),
     ];
     let known = known.into_iter().filter_map(|(name, count)| Some((name.to_owned(), count?)));

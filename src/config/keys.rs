@@ -2,8 +2,8 @@
 //! it, and the README's table is made from it; the defaults come from the types.
 
 use super::{
-    BounceVisibility, Builtin, Centers, Collect, Config, Culling, Dielectric, Emitters, FilterKind, GatherMethod, Interpolation,
-    IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Representative, Shadows, Shares, SsaoMethod, SsaoResolution, TimingMode,
+    BounceVisibility, Bounds, Builtin, Centers, Collect, Config, Culling, Dielectric, Emitters, FilterKind, GatherMethod, Interpolation,
+    IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Reflection, Representative, RouletteChoice, Shadows, Shares, SsaoMethod, SsaoResolution, TimingMode,
     Tonemap, VisibilityMethod, VplSampler,
 };
 use serde::Deserialize;
@@ -239,7 +239,8 @@ fn list() -> Vec<KeyInfo> {
         absent("rsm.box.min", Point, "the scene's bounds", "Lower corner of the box that directional lights' maps cover, metres"),
         absent("rsm.box.max", Point, "the scene's bounds", "Upper corner of that box"),
         key("vpls.sampler", Choice(choices::<VplSampler>()), "How texels are chosen to be virtual point lights"),
-        key("vpls.count", Whole { min: 1, max: 1_048_576 }, "Virtual point lights in all"),
+        key("vpls.count", Whole { min: 1, max: 1_048_576 }, "Virtual point lights in all; `\"every-texel\"` has its own number"),
+        key("vpls.reflection", Choice(choices::<Reflection>()), "Which reflection makes virtual point lights; glossy ones need `gather.culling = \"stochastic-tiled\"`"),
         key("bounce.count", Whole { min: 1, max: 8 }, "Bounces of indirect light; one is that of the lights above alone"),
         key("bounce.clusters", Whole { min: 1, max: 64 }, "Clusters of a bounce's virtual point lights, each with a map of what it sees"),
         key("bounce.representative", Choice(choices::<Representative>()), "Where a cluster's map is rendered from"),
@@ -283,8 +284,12 @@ fn list() -> Vec<KeyInfo> {
         key(
             "gather.culling",
             Choice(choices::<Culling>()),
-            "How lights that cannot shine on pixels are left out; the picture stays the same",
+            "How lights that cannot shine on pixels are left out; all but the stochastic ones leave the picture as it is",
         ),
+        key("gather.bounds", Choice(choices::<Bounds>()), "What stochastic culling bounds a glossy light's range by"),
+        key("gather.delta", above(0.0, 1e6), "Irradiance facing a light, W/m^2, below which stochastic culling leaves it to chance"),
+        key("gather.roulette", Choice(choices::<RouletteChoice>()), "The random numbers for that: the same in every frame, or new ones"),
+        key("gather.statistics", Flag, "Counts the lights that stochastic culling lists and lights a pixel: `--dump gather/stochastic-tiled`"),
         key("gather.emitters", Choice(choices::<Emitters>()), "What virtual point lights shine as on what is near them"),
         key("gather.min_distance", from(0.0, 1e6), "Below this distance a light gets no brighter, metres; 0 turns it off"),
         key("filter.kind", Choice(choices::<FilterKind>()), "How the indirect light is smoothed"),

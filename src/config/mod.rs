@@ -17,9 +17,9 @@ pub(crate) use load::{Base, document, read_text};
 pub use load::{load, parse, to_toml};
 pub use scene::{Builtin, CameraConfig, CameraKeyframe, Interpolation, LightConfig, LightKeyframe, SceneConfig, SceneSelector};
 pub use stages::{
-    BounceConfig, BounceVisibility, BoxConfig, Centers, Collect, ComposeConfig, Culling, Dielectric, DirectConfig, Emitters, FilterConfig,
+    BounceConfig, BounceVisibility, Bounds, BoxConfig, Centers, Collect, ComposeConfig, Culling, Dielectric, DirectConfig, Emitters, FilterConfig,
     FilterKind, FrameConfig, GatherConfig, GatherMethod, IsmRenderer, Layer, Layers, Lookup, MaterialsConfig, OutputConfig, Pattern,
-    PointSet, Representative, RsmConfig, Shadows, Shares, SsaoConfig, SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityConfig,
+    PointSet, Reflection, Representative, RouletteChoice, RsmConfig, Shadows, Shares, SsaoConfig, SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityConfig,
     VisibilityMethod, VplSampler, VplsConfig,
 };
 
@@ -51,6 +51,14 @@ pub struct Config {
 }
 
 impl Config {
+    /// Virtual point lights of the first bounce, where the reflective shadow map has so many layers.
+    pub fn vpl_count(&self, layers: u32) -> u32 {
+        match self.vpls.sampler {
+            VplSampler::Regular | VplSampler::Hammersley => self.vpls.count,
+            VplSampler::EveryTexel => self.rsm.size[0].saturating_mul(self.rsm.size[1]).saturating_mul(layers),
+        }
+    }
+
     /// How the virtual point lights of each bounce are shadowed.
     pub fn visibility_methods(&self) -> impl Iterator<Item = VisibilityMethod> {
         let further = match self.bounce.visibility {

@@ -86,13 +86,14 @@ pub struct BoxConfig {
 #[serde(default, deny_unknown_fields)]
 pub struct VplsConfig {
     pub sampler: VplSampler,
-    /// Virtual point lights in all, 1 to 1,048,576.
+    /// Virtual point lights in all, 1 to 1,048,576; of every texel there are as many as texels.
     pub count: u32,
+    pub reflection: Reflection,
 }
 
 impl Default for VplsConfig {
     fn default() -> Self {
-        Self { sampler: VplSampler::Regular, count: 1024 }
+        Self { sampler: VplSampler::Regular, count: 1024, reflection: Reflection::Diffuse }
     }
 }
 
@@ -104,6 +105,19 @@ pub enum VplSampler {
     Regular,
     /// The points of a Hammersley set, shuffled likewise.
     Hammersley,
+    /// All of them.
+    EveryTexel,
+}
+
+/// What virtual point lights reflect.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reflection {
+    #[default]
+    Diffuse,
+    /// By GGX alone.
+    Glossy,
+    Both,
 }
 
 /// `[bounce]`: how light goes on from the first virtual point lights.
@@ -347,6 +361,12 @@ pub struct GatherConfig {
     /// Each pixel of a block of this side length sums another subset of the lights: 1, 2, 4 or 8.
     pub interleave: u32,
     pub culling: Culling,
+    pub bounds: Bounds,
+    /// The irradiance that a light brings to a surface facing it, W/m^2, below which stochastic culling leaves it to chance; over 0.
+    pub delta: f32,
+    pub roulette: RouletteChoice,
+    /// Counts lights a pixel, on lists and lit, for stochastic culling.
+    pub statistics: bool,
     pub emitters: Emitters,
     /// The distance d_min, in metres, below which a light does not get brighter; 0 turns it off. At most 1,000,000.
     pub min_distance: f32,
@@ -354,7 +374,17 @@ pub struct GatherConfig {
 
 impl Default for GatherConfig {
     fn default() -> Self {
-        Self { method: GatherMethod::PerPixel, interleave: 4, culling: Culling::Tiled, emitters: Emitters::Points, min_distance: 0.3 }
+        Self {
+            method: GatherMethod::PerPixel,
+            interleave: 4,
+            culling: Culling::Tiled,
+            bounds: Bounds::Ellipsoid,
+            delta: 0.001,
+            roulette: RouletteChoice::Fixed,
+            statistics: false,
+            emitters: Emitters::Points,
+            min_distance: 0.3,
+        }
     }
 }
 
@@ -366,7 +396,7 @@ pub enum GatherMethod {
     PerPixel,
 }
 
-/// How virtual point lights are left out that cannot shine on pixels. It never changes the picture.
+/// How virtual point lights are left out that cannot shine on pixels. Of the first three none changes the picture.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Culling {
@@ -376,6 +406,33 @@ pub enum Culling {
     Tiled,
     /// By light lists of clusters: tiles of 128 pixels and 16 slices of depth.
     Clustered,
+    /// Those that shine little by chance, so that nothing is lost on average; then by tiles and bounds of their ranges.
+    StochasticTiled,
+}
+
+/// What bounds a glossy light's random range.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Bounds {
+    /// The spheroid of its lobe.
+    #[default]
+    Ellipsoid,
+    /// A sphere around that.
+    SphereEllipsoid,
+    /// A sphere around the light.
+    SphereVpl,
+    /// Nothing: every tile lists every light, diffuse ones too.
+    None,
+}
+
+/// The random numbers of stochastic culling.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RouletteChoice {
+    /// The same in every frame.
+    #[default]
+    Fixed,
+    PerFrame,
 }
 
 /// What virtual point lights shine as on what is near them.
@@ -416,6 +473,8 @@ pub enum FilterKind {
     Bilateral,
     /// Likewise, and its weights are a Gaussian's.
     Gaussian,
+    /// Likewise, and neighbours count less the more their place and normal differ.
+    CrossBilateral,
     None,
 }
 

@@ -261,6 +261,8 @@ fn sample(g: &mut Graph, clusters: &Clusters, config: &BounceConfig) -> Vpls {
         points: g.buffer::<VplPoint>("bounce/points", count),
         intensities: g.buffer::<[f32; 3]>("bounce/intensities", count),
         areas: g.buffer::<f32>("bounce/areas", count),
+        lobes: None,
+        diffuse: true,
     };
     let (wasted, lit) = (g.count("bounce/wasted"), g.count("bounce/lit"));
     let starts = g.buffer::<u32>("bounce/starts", clusters.count + 1);

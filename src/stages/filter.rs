@@ -22,6 +22,7 @@ pub fn smooth(g: &mut Graph, gbuffer: &GBuffer, noisy: Image, interleave: u32, c
         _ if config.radius.unwrap_or(interleave) <= 1 => return noisy,
         FilterKind::Bilateral => ("filter/bilateral", interleave),
         FilterKind::Gaussian => ("filter/gaussian", 2 * interleave),
+        FilterKind::CrossBilateral => ("filter/cross-bilateral", interleave),
     };
     separable(g, gbuffer, noisy, shader, config.radius.unwrap_or(radius), config)
 }

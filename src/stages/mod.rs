@@ -35,6 +35,7 @@ pub const METHODS: &[Method] = {
         method("rsm", "draw", &[MultiDrawIndirect, ShaderDrawParameters, LayerFromVertexShader, Snorm16Images]),
         method("vpls.sampler", "regular", &[]),
         method("vpls.sampler", "hammersley", &[]),
+        method("vpls.sampler", "every-texel", &[]),
         method(
             "bounce.layers",
             "instanced",
@@ -60,8 +61,10 @@ pub const METHODS: &[Method] = {
         method("gather.culling", "none", &[]),
         method("gather.culling", "tiled", &[]),
         method("gather.culling", "clustered", &[]),
+        method("gather.culling", "stochastic-tiled", &[]),
         method("filter.kind", "bilateral", &[]),
         method("filter.kind", "gaussian", &[]),
+        method("filter.kind", "cross-bilateral", &[]),
         method("filter.kind", "none", &[]),
         method("direct.shadows", "variance", &[FilteredRg32Float]),
         method("direct.shadows", "percentage-closer", &[]),

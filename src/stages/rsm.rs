@@ -1,5 +1,6 @@
 //! Reflective shadow maps (Dachsbacher and Stamminger 2005): what each light sees, and how much of its flux arrives there.
 
+use crate::config::{Config, Dielectric, Reflection};
 use crate::gpu::Format;
 use crate::graph::{Buffer, Graph, Image};
 use crate::scene::device::{DeviceScene, Maps, SceneHandles};
@@ -23,6 +24,17 @@ pub struct Rsm {
     pub flux: Image,
     /// Diffuse albedo, averaged over the area that a VPL stands for; 0 on the back of a single-sided surface.
     pub albedo: Image,
+    /// What makes glossy VPLs; there where they are wanted.
+    pub glossy: Option<GlossyRsm>,
+}
+
+/// What a texel reflects by GGX.
+#[derive(Debug, Clone, Copy)]
+pub struct GlossyRsm {
+    /// Fresnel reflectance along the normal, RGB, and at grazing angles, times how much of the surface is glossy.
+    pub specular: Image,
+    /// Interpolated normal, octahedral, and alpha.
+    pub lobe: Image,
 }
 
 shader_struct! {
@@ -36,9 +48,10 @@ shader_struct! {
     }
 }
 
-/// Rasterizes the scene once for all lights: an instance each, which the vertex shader sends to its layer. `vpl_count` says how
-/// many texels a VPL stands for.
-pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &[Projector], size: [u32; 2], vpl_count: u32) -> Rsm {
+/// Rasterizes the scene once for all lights: an instance each, which the vertex shader sends to its layer. The config
+/// says how many texels a VPL stands for, and whether some are glossy.
+pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &[Projector], config: &Config) -> Rsm {
+    let size = config.rsm.size;
     let layers = lights.len() as u32;
     let mut block = vec![Projector::zeroed(); Projector::MAX];
     block[..lights.len()].copy_from_slice(lights);
@@ -51,12 +64,17 @@ pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &
         normal: g.layered_image("rsm/normal", Format::Rg16Snorm, size, layers),
         flux: g.layered_image("rsm/flux", Format::Rgba32Float, size, layers),
         albedo: g.layered_image("rsm/albedo", Format::Rgba16Float, size, layers),
+        glossy: (config.vpls.reflection != Reflection::Diffuse).then(|| GlossyRsm {
+            specular: g.layered_image("rsm/specular", Format::Rgba16Float, size, layers),
+            lobe: g.layered_image("rsm/lobe", Format::Rgba32Float, size, layers),
+        }),
     };
     let lists = scene.draw_lists(g, "rsm", Maps::Reflection, layers, |bounds| {
         lights.iter().filter(|light| light.sees(bounds)).map(|light| light.distance(bounds)).reduce(f32::min)
     });
-    let texels_per_vpl = f64::from(size[0]) * f64::from(size[1]) * f64::from(layers) / f64::from(vpl_count);
-    g.raster("rsm/draw")
+    let texels_per_vpl = f64::from(size[0]) * f64::from(size[1]) * f64::from(layers) / f64::from(config.vpl_count(layers));
+    let mut pass = g
+        .raster("rsm/draw")
         .reads("lights", rsm.lights)
         .reads("draws", handles.draws)
         .constant("SEVERAL_LIGHTS", layers > 1)
@@ -67,8 +85,15 @@ pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &
         })
         .color("normal", rsm.normal, [0.0; 4])
         .color("albedo", rsm.albedo, [0.0; 4])
-        .depth(rsm.depth)
-        .draw(lists);
+        .depth(rsm.depth);
+    if let Some(glossy) = rsm.glossy {
+        pass = pass
+            .shader("rsm/draw-glossy")
+            .constant("GLOSSY_DIELECTRIC", config.materials.dielectric == Dielectric::Ggx)
+            .color("specular", glossy.specular, [0.0; 4])
+            .color("lobe", glossy.lobe, [0.0; 4]);
+    }
+    pass.draw(lists);
     g.compute("rsm/flux")
         .reads("lights", rsm.lights)
         .reads("rsm_depth", rsm.depth)

@@ -2,7 +2,7 @@
 
 use super::gbuffer::GBuffer;
 use super::rsm::Rsm;
-use crate::config::{VplSampler, VplsConfig};
+use crate::config::{Reflection, VplSampler, VplsConfig};
 use crate::graph::{Buffer, Graph};
 use crate::shader_struct;
 
@@ -12,6 +12,22 @@ shader_struct! {
         pub position: [f32; 3],
         /// Octahedral, two signed normalized 16-bit numbers.
         pub normal: u32,
+    }
+
+    /// `glsl/lib/lobe.glsl`.
+    pub struct Lobe {
+        /// That arrives, W; 0 where nothing is reflected so.
+        pub flux: [f32; 3],
+        /// The surface's interpolated one, octahedral.
+        pub normal: u32,
+        /// Fresnel reflectance along the normal, times how much of the surface reflects so.
+        pub f0: [f32; 3],
+        /// Where the light comes from, octahedral.
+        pub incoming: u32,
+        /// Of GGX: roughness squared.
+        pub alpha: f32,
+        /// Fresnel reflectance at a grazing angle, likewise.
+        pub f90: f32,
     }
 
     struct TexelParams {
@@ -30,24 +46,35 @@ pub struct Vpls {
     pub intensities: Buffer,
     /// Of the beam that each stands for, across it, m^2: how large a disk it shines as ([`Emitters::Disks`](crate::config::Emitters)).
     pub areas: Buffer,
+    /// Glossy VPLs at the same places, [`Lobe`]s; there where they are wanted.
+    pub lobes: Option<Buffer>,
+    /// Whether the diffuse ones shine.
+    pub diffuse: bool,
 }
 
 /// Fills the slot with the config's sampler.
 pub fn sample(g: &mut Graph, rsm: &Rsm, _gbuffer: &GBuffer, config: &VplsConfig) -> Vpls {
+    let diffuse = config.reflection != Reflection::Glossy;
     match config.sampler {
-        VplSampler::Regular => from_texels(g, "vpls/regular", rsm, config.count),
-        VplSampler::Hammersley => from_texels(g, "vpls/hammersley", rsm, config.count),
+        VplSampler::Regular => from_texels(g, "vpls/regular", rsm, config.count, diffuse),
+        VplSampler::Hammersley => from_texels(g, "vpls/hammersley", rsm, config.count, diffuse),
+        VplSampler::EveryTexel => from_texels(g, "vpls/every-texel", rsm, rsm.size[0] * rsm.size[1] * rsm.layers, diffuse),
     }
 }
 
 /// Texels of each light's map, in the order of a fixed permutation; the pass says which. Counts `vpls/lit`, VPLs that have flux.
-fn from_texels(g: &mut Graph, pass: &'static str, rsm: &Rsm, count: u32) -> Vpls {
+fn from_texels(g: &mut Graph, pass: &'static str, rsm: &Rsm, count: u32, diffuse: bool) -> Vpls {
     let vpls = Vpls {
         count,
         points: g.buffer::<VplPoint>("vpls/points", count),
         intensities: g.buffer::<[f32; 3]>("vpls/intensities", count),
         areas: g.buffer::<f32>("vpls/areas", count),
+        lobes: rsm.glossy.map(|_| g.buffer::<Lobe>("vpls/lobes", count)),
+        diffuse,
     };
+    // Bound and not used where there are none.
+    let lobes = vpls.lobes.unwrap_or_else(|| g.zeroed::<Lobe>("vpls/no-lobes", 1));
+    let (specular, lobe) = rsm.glossy.map_or((rsm.albedo, rsm.albedo), |glossy| (glossy.specular, glossy.lobe));
     let lit = g.count("vpls/lit");
     g.compute(pass)
         .reads("lights", rsm.lights)
@@ -55,10 +82,14 @@ fn from_texels(g: &mut Graph, pass: &'static str, rsm: &Rsm, count: u32) -> Vpls
         .reads("rsm_normal", rsm.normal)
         .reads("rsm_flux", rsm.flux)
         .reads("rsm_albedo", rsm.albedo)
+        .reads("rsm_specular", specular)
+        .reads("rsm_lobe", lobe)
         .writes("points", vpls.points)
         .writes("intensities", vpls.intensities)
         .writes("areas", vpls.areas)
+        .writes("lobes", lobes)
         .updates("lit", lit)
+        .constant("LOBES", rsm.glossy.is_some())
         .params(&TexelParams { size: rsm.size, lights: rsm.layers, count })
         .dispatch([count, 1, 1]);
     vpls

@@ -1,11 +1,15 @@
 //! Irradiance at every pixel from the VPLs.
 
+mod stochastic;
+
+pub use stochastic::Roulette;
+
 use super::gbuffer::GBuffer;
 use super::visibility::Visibility;
 use super::vpls::Vpls;
 use crate::config::{Culling, Emitters, GatherConfig, GatherMethod, Lookup};
 use crate::gpu::Format;
-use crate::graph::{Buffer, Graph, Image};
+use crate::graph::{Buffer, ComputePass, Graph, Image};
 use crate::shader_struct;
 
 shader_struct! {
@@ -47,10 +51,11 @@ shader_struct! {
 pub const MOST_VPLS_A_PIXEL: u64 = 100_000;
 
 /// Fills the slot with the config's method; the image holds indirect irradiance, W/m^2, of all bounces' VPLs.
-pub fn indirect(g: &mut Graph, gbuffer: &GBuffer, lights: &[(Vpls, Visibility)], config: &GatherConfig) -> Image {
+pub fn indirect(g: &mut Graph, gbuffer: &GBuffer, lights: &[(Vpls, Visibility)], roulette: Roulette, config: &GatherConfig) -> Image {
     let of_bounce = |((vpls, visibility), time): (&(Vpls, Visibility), u32)| {
-        g.again(time, |g| match config.method {
-            GatherMethod::PerPixel => per_pixel(g, gbuffer, vpls, *visibility, config),
+        g.again(time, |g| match (config.method, config.culling) {
+            (GatherMethod::PerPixel, Culling::StochasticTiled) => stochastic::tiled(g, gbuffer, vpls, *visibility, roulette, config),
+            (GatherMethod::PerPixel, Culling::None | Culling::Tiled | Culling::Clustered) => per_pixel(g, gbuffer, vpls, *visibility, config),
         })
     };
     let images: Vec<Image> = lights.iter().zip(1..).map(of_bounce).collect();
@@ -85,14 +90,35 @@ fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibili
     let groups = groups_of_sets(gbuffer.size, n, [2, 2]);
     let clusters = match config.culling {
         Culling::Clustered => Some(clusters(g, gbuffer, vpls, n)),
-        Culling::None | Culling::Tiled => None,
+        Culling::None | Culling::Tiled | Culling::StochasticTiled => None,
     };
     let names = match config.culling {
+        Culling::StochasticTiled => unreachable!("it has a function of its own"),
         Culling::None => ["gather/per-pixel", "gather/per-pixel-visible", "gather/per-pixel-ism", "gather/per-pixel-clusters"],
         Culling::Tiled => ["gather/tiled", "gather/tiled-visible", "gather/tiled-ism", "gather/tiled-clusters"],
         Culling::Clustered => ["gather/clustered", "gather/clustered-visible", "gather/clustered-ism", "gather/clustered-clusters"],
     };
-    let mut pass = match visibility {
+    let mut pass = shadowed(g, names, visibility);
+    if let Some(clusters) = clusters {
+        pass = pass.reads("rows", clusters.rows).reads("lists", clusters.lists).constant("PARTS", parts(n));
+    }
+    pass.reads("view", gbuffer.view)
+        .reads("depth", gbuffer.depth)
+        .reads("normal", gbuffer.normal)
+        .reads("points", vpls.points)
+        .reads("intensities", vpls.intensities)
+        .reads("areas", vpls.areas)
+        .writes("irradiance", irradiance)
+        .constant("DISKS", config.emitters == Emitters::Disks)
+        .constant("INTERLEAVE", n)
+        .params(&PerPixelParams { count: vpls.count, squared_min_distance: config.min_distance * config.min_distance })
+        .dispatch_groups([groups[0], groups[1], 1]);
+    irradiance
+}
+
+/// The pass of those that is for a kind of shadow, with what that reads.
+fn shadowed<'g>(g: &'g mut Graph, names: [&'static str; 4], visibility: Visibility) -> ComputePass<'g> {
+    match visibility {
         Visibility::None => g.compute(names[0]),
         Visibility::Bits(visible) => g.compute(names[1]).reads("visible", visible),
         Visibility::Ism(ism) => {
@@ -109,22 +135,7 @@ fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibili
                 .reads("labels", clusters.labels)
                 .constant("BILINEAR", lookup == Lookup::Bilinear)
         }
-    };
-    if let Some(clusters) = clusters {
-        pass = pass.reads("rows", clusters.rows).reads("lists", clusters.lists).constant("PARTS", parts(n));
     }
-    pass.reads("view", gbuffer.view)
-        .reads("depth", gbuffer.depth)
-        .reads("normal", gbuffer.normal)
-        .reads("points", vpls.points)
-        .reads("intensities", vpls.intensities)
-        .reads("areas", vpls.areas)
-        .writes("irradiance", irradiance)
-        .constant("DISKS", config.emitters == Emitters::Disks)
-        .constant("INTERLEAVE", n)
-        .params(&PerPixelParams { count: vpls.count, squared_min_distance: config.min_distance * config.min_distance })
-        .dispatch_groups([groups[0], groups[1], 1]);
-    irradiance
 }
 
 /// The light lists of those clusters that hold pixels.

@@ -1,0 +1,43 @@
+#ifndef RANGE_GLSL
+#define RANGE_GLSL
+// What bounds where VPLs may shine in a frame: spheres and spheroids in the view's space, whose axes are the camera's right, up and
+// forward (Tokuyoshi and Harada 2017, sections 3 to 5).
+
+// A spheroid, as what makes the unit sphere of it: BS of equations 16 and 17, whose last row is (0, 0, depth), and where that takes its centre.
+struct Spheroid {
+    vec3 row0;
+    float depth; // 0 where nothing is lit
+    vec3 row1;
+    vec3 centre;
+};
+
+// Equation 17: turns the stretched space so that planes of equal depth are so again.
+Spheroid spheroid(mat3 s, vec3 centre) {
+    vec3 bx = s[0], by = s[1], bz = cross(bx, by);
+    vec3 z = normalize(bz), x, y;
+    if (dot(bx, bx) > dot(by, by)) {
+        x = normalize(bx);
+        y = cross(z, x);
+    } else {
+        y = normalize(by);
+        x = cross(y, z);
+    }
+    Spheroid it;
+    it.row0 = x * s;
+    it.row1 = y * s;
+    it.depth = dot(z, s[2]);
+    it.centre = vec3(dot(it.row0, centre), dot(it.row1, centre), it.depth * centre.z);
+    return it;
+}
+
+// The stretch of equation 16 for a spheroid of half-axes ru along `axis` and r across it.
+mat3 stretch(vec3 axis, float ru, float r) { return mat3(1.0 / r) + (1.0 / ru - 1.0 / r) * outerProduct(axis, axis); }
+
+// Equation 12's r, of the spheroid that bounds where a lobe's irradiance is over delta xi: squared.
+float squared_lobe_radius(vec3 flux, vec3 f0, float f90, float alpha, float ni, float delta_xi) {
+    // Schlick's term is largest where the half vector is farthest from the incoming direction: halfway to the surface's far horizon.
+    float farthest = cos(0.5 * acos(clamp(ni, 0.0, 1.0)) + 0.25 * PI);
+    float g1 = 2.0 * ni / (ni + sqrt((1.0 - alpha * alpha) * ni * ni + alpha * alpha));
+    return largest(flux * lobe_fresnel(f0, f90, farthest)) * g1 / (4.0 * PI * delta_xi * ni);
+}
+#endif

@@ -1,0 +1,33 @@
+// A vertex of the scene, once for each light.
+#include "lib/light.glsl"
+#include "lib/scene.glsl"
+
+// One light's numbers are the same for all vertices, which drivers know how to use.
+layout(constant_id = 0) const bool SEVERAL_LIGHTS = true;
+layout(constant_id = 5) const bool VERTEX_COLOR = false;
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec2 uv;
+layout(location = 2) in vec4 color;
+
+layout(location = 0) out vec2 out_uv;
+layout(location = 1) out vec4 out_color;
+layout(location = 2) flat out uint out_light;
+
+layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
+layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
+
+out gl_PerVertex { vec4 gl_Position; };
+
+void put_vertex(mat4x3 transform) {
+    // An instance a light: each goes to the layer of its own.
+    uint layer = 0u;
+    if (SEVERAL_LIGHTS) layer = gl_InstanceIndex - gl_BaseInstance;
+    vec3 world = transform * vec4(position, 1.0);
+    gl_Layer = int(layer);
+    gl_Position = lights.at[layer].world_to_clip * vec4(world, 1.0);
+    out_uv = uv;
+    out_color = vec4(1.0);
+    if (VERTEX_COLOR) out_color = color;
+    out_light = layer;
+}

@@ -1,0 +1,162 @@
+//! Stochastic light culling (Tokuyoshi and Harada 2017): VPLs shine as far as a random number each lets them.
+
+use super::{Visibility, shadowed};
+use crate::config::{Bounds, Config, GatherConfig, RouletteChoice};
+use crate::gpu::Format;
+use crate::graph::{Buffer, Graph, Image};
+use crate::shader_struct;
+use crate::stages::gbuffer::GBuffer;
+use crate::stages::vpls::{Lobe, Vpls};
+
+shader_struct! {
+    /// `glsl/gather/range.glsl`.
+    pub struct Spheroid {
+        pub row0: [f32; 3],
+        pub depth: f32,
+        pub row1: [f32; 3],
+        pub centre: [f32; 3],
+    }
+
+    struct RangesParams {
+        count: u32,
+        delta: f32,
+        seed: u32,
+    }
+
+    struct StochasticParams {
+        count: u32,
+        squared_min_distance: f32,
+        delta: f32,
+    }
+
+    struct StatisticsParams {
+        size: [i32; 2],
+    }
+}
+
+/// What the random numbers of a frame start from.
+#[derive(Debug, Clone, Copy)]
+pub struct Roulette(u32);
+
+impl Roulette {
+    pub fn of(config: &Config, frame: u32) -> Self {
+        Self(match config.gather.roulette {
+            RouletteChoice::Fixed => config.frame.seed,
+            // Far from those of other seeds.
+            RouletteChoice::PerFrame => config.frame.seed.wrapping_add(0x9e37_79b9_u32.wrapping_mul(frame + 1)),
+        })
+    }
+}
+
+/// A tile of 16 x 16 pixels of a sample set, whose lists are made and summed in one pass.
+const TILE: u32 = 16;
+
+/// Where the VPLs may shine.
+struct Ranges {
+    /// Of the diffuse ones, in the view's space: centre and radius.
+    spheres: Buffer,
+    spheroids: Buffer,
+    /// The random numbers of the diffuse VPL and of the lobe.
+    chances: Buffer,
+    /// The lobes, or what stands in their place where there are none.
+    lobes: Buffer,
+}
+
+/// Range determination (sections 3 and 4).
+fn ranges(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, Roulette(seed): Roulette, config: &GatherConfig) -> Ranges {
+    let lobes = vpls.lobes.unwrap_or_else(|| g.zeroed::<Lobe>("gather/no-lobes", 1));
+    let ranges = Ranges {
+        spheres: g.buffer::<[f32; 4]>("gather/spheres", vpls.count),
+        spheroids: g.buffer::<Spheroid>("gather/spheroids", if vpls.lobes.is_some() { vpls.count } else { 1 }),
+        chances: g.buffer::<[f32; 2]>("gather/chances", vpls.count),
+        lobes,
+    };
+    g.compute("gather/ranges")
+        .reads("view", gbuffer.view)
+        .reads("points", vpls.points)
+        .reads("intensities", vpls.intensities)
+        .reads("lobes", lobes)
+        .writes("spheres", ranges.spheres)
+        .writes("spheroids", ranges.spheroids)
+        .writes("chances", ranges.chances)
+        .constant("LOBES", vpls.lobes.is_some())
+        .constant(
+            "BOUNDS",
+            match config.bounds {
+                Bounds::Ellipsoid | Bounds::None => 0u32,
+                Bounds::SphereEllipsoid => 1,
+                Bounds::SphereVpl => 2,
+            },
+        )
+        .params(&RangesParams { count: vpls.count, delta: config.delta, seed })
+        .dispatch([vpls.count, 1, 1]);
+    ranges
+}
+
+/// Culls by tiles and sums in one pass (section 5).
+pub(super) fn tiled(
+    g: &mut Graph,
+    gbuffer: &GBuffer,
+    vpls: &Vpls,
+    visibility: Visibility,
+    roulette: Roulette,
+    config: &GatherConfig,
+) -> Image {
+    let ranges = ranges(g, gbuffer, vpls, roulette, config);
+    let n = config.interleave;
+    let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
+    let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.statistics { gbuffer.size } else { [1, 1] });
+    let groups = gbuffer.size.map(|side| side.div_ceil(TILE * n) * n);
+    let names = [
+        "gather/stochastic-tiled",
+        "gather/stochastic-tiled-visible",
+        "gather/stochastic-tiled-ism",
+        "gather/stochastic-tiled-clusters",
+    ];
+    shadowed(g, names, visibility)
+        .reads("view", gbuffer.view)
+        .reads("depth", gbuffer.depth)
+        .reads("normal", gbuffer.normal)
+        .reads("points", vpls.points)
+        .reads("intensities", vpls.intensities)
+        .reads("lobes", ranges.lobes)
+        .reads("spheres", ranges.spheres)
+        .reads("spheroids", ranges.spheroids)
+        .reads("chances", ranges.chances)
+        .writes("numbers", numbers)
+        .writes("irradiance", irradiance)
+        .constant("INTERLEAVE", n)
+        .constant("DIFFUSE", vpls.diffuse)
+        .constant("LOBES", vpls.lobes.is_some())
+        .constant("CULL", config.bounds != Bounds::None)
+        .constant("STATISTICS", config.statistics)
+        .params(&StochasticParams {
+            count: vpls.count,
+            squared_min_distance: config.min_distance * config.min_distance,
+            delta: config.delta,
+        })
+        .dispatch_groups([groups[0], groups[1], 1]);
+    if config.statistics {
+        statistics(g, gbuffer, numbers);
+    }
+    irradiance
+}
+
+/// Pictures how many VPLs pixels have on their lists and how many of those do not shine on them (figures 9 and 10), and counts
+/// `gather/pixels` and pairs of them and VPLs: `gather/diffuse-listed`, `gather/diffuse-lit`, `gather/glossy-listed`, `gather/glossy-lit`.
+fn statistics(g: &mut Graph, gbuffer: &GBuffer, numbers: Image) {
+    let picture = g.image("gather/statistics", Format::Rgba8Unorm, gbuffer.size);
+    let names = ["pixels", "diffuse-listed", "diffuse-lit", "glossy-listed", "glossy-lit"];
+    let [pixels, diffuse_listed, diffuse_lit, glossy_listed, glossy_lit] = names.map(|name| g.count(&format!("gather/{name}")));
+    g.compute("gather/statistics")
+        .reads("depth", gbuffer.depth)
+        .reads("numbers", numbers)
+        .updates("pixels", pixels)
+        .updates("diffuse_listed", diffuse_listed)
+        .updates("diffuse_lit", diffuse_lit)
+        .updates("glossy_listed", glossy_listed)
+        .updates("glossy_lit", glossy_lit)
+        .writes("picture", picture)
+        .params(&StatisticsParams { size: gbuffer.size.map(|n| n as i32) })
+        .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
+}
