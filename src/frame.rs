@@ -33,7 +33,15 @@ pub struct Frame {
 }
 
 /// Many-light global illumination, one slot a line; frame number `index` of its sequence.
-pub fn frame(g: &mut Graph, scene: &DeviceScene, traced: Option<&TracedScene>, view: &View, lighting: &Lighting, config: &Config, index: u32) -> Frame {
+pub fn frame(
+    g: &mut Graph,
+    scene: &DeviceScene,
+    traced: Option<&TracedScene>,
+    view: &View,
+    lighting: &Lighting,
+    config: &Config,
+    index: u32,
+) -> Frame {
     let handles = scene.import(g);
     let traced = traced.map(|traced| traced.import(g));
     let gbuffer = gbuffer::draw(g, scene, handles, view);

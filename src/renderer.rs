@@ -5,7 +5,7 @@ use crate::fail;
 use crate::frame::{Frame, Lighting, frame};
 use crate::gpu::{Adapter, Feature, Format, Gpu, Options};
 use crate::graph::{Dump, Engine, Execution, Graph, Image, Library, ReadBack, Timing};
-use crate::scene::builtin::{self, Atrium};
+use crate::scene::builtin::{self, Atrium, Caustics};
 use crate::scene::device::DeviceScene;
 use crate::scene::gltf::{self, AnimationChoice, Choice, SceneChoice};
 use crate::scene::projection::{Projector, View};
@@ -36,6 +36,7 @@ pub fn load_scene(config: &SceneConfig) -> Result<(Scene, Vec<String>)> {
     }
     let mut scene = match config.builtin.unwrap_or_default() {
         Builtin::Atrium => builtin::atrium(&Atrium { triangles: config.triangles, seed: config.seed }),
+        Builtin::Caustics => builtin::caustics(&Caustics { triangles: config.triangles, roughness: config.roughness }),
         Builtin::Cornell => builtin::cornell(),
     };
     prepare_triangles(&mut scene, config);

@@ -157,8 +157,11 @@ fn every_mistake_gets_a_sentence_with_file_line_and_key() {
         ("[scene]\nfile = \"a.glb\"\nbuiltin = \"atrium\"", "x.toml:2: scene.file: excludes scene.builtin; give one of them"),
         ("[scene]\nanimation = 1", "x.toml:2: scene.animation: only a glTF file has animations to choose from; give scene.file"),
         ("[scene]\nscene = 1", "x.toml:2: scene.scene: only a glTF file has scenes to choose from; give scene.file"),
-        ("[scene]\nbuiltin = \"cornell\"\ntriangles = 20000", "x.toml:3: scene.triangles: only the built-in atrium has this knob"),
-        ("[scene]\nfile = \"a.glb\"\nseed = 1", "x.toml:3: scene.seed: only the built-in atrium has this knob"),
+        (
+            "[scene]\nbuiltin = \"cornell\"\ntriangles = 20000",
+            "x.toml:3: scene.triangles: of the built-in scenes only atrium and caustics has this knob",
+        ),
+        ("[scene]\nfile = \"a.glb\"\nseed = 1", "x.toml:3: scene.seed: of the built-in scenes only atrium has this knob"),
         ("[camera]\nnode = \"a\"", "x.toml:2: camera.node: only a glTF file has named cameras"),
         ("scene.file = \"a.glb\"\n[camera]\nnode = \"a\"\nup = [0, 1, 0]", "x.toml:4: camera.up: excludes camera.node"),
         ("[camera]\nposition = [0, 0, 0]", "x.toml:2: camera.position: needs camera.target"),

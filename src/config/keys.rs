@@ -3,8 +3,8 @@
 
 use super::{
     BounceVisibility, Bounds, Builtin, Centers, Collect, Config, Culling, Dielectric, Emitters, FilterKind, GatherMethod, Interpolation,
-    IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Reflection, Representative, RouletteChoice, Shadows, Shares, SsaoMethod, SsaoResolution, TimingMode,
-    Tonemap, VisibilityMethod, VplSampler,
+    IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Reflection, Representative, RouletteChoice, Shadows, Shares, SsaoMethod,
+    SsaoResolution, TimingMode, Tonemap, VisibilityMethod, VplSampler,
 };
 use serde::Deserialize;
 use serde::de::{self, Visitor};
@@ -181,7 +181,12 @@ fn list() -> Vec<KeyInfo> {
         absent("scene.scene", IndexOrName, "the file's default", "Which of the file's scenes"),
         absent("scene.animation", IndexOrName, "the file's first", "Which of the file's animations moves it, in a loop; `none` for none"),
         key("scene.builtin", Choice(choices::<Builtin>()), "A scene made by code"),
-        key("scene.triangles", Whole { min: 10_000, max: 8_000_000 }, "About how many triangles the atrium has"),
+        key(
+            "scene.triangles",
+            Whole { min: 8_000, max: 8_000_000 },
+            "About how many triangles the atrium has, from 10,000 on; just how many the caustics",
+        ),
+        key("scene.roughness", from(0.001, 1.0), "GGX's alpha of the caustics' metal: a glTF material's roughness is its root"),
         key("scene.seed", U32, "Seed of what is random in the atrium"),
         absent(
             "scene.split",
@@ -240,7 +245,11 @@ fn list() -> Vec<KeyInfo> {
         absent("rsm.box.max", Point, "the scene's bounds", "Upper corner of that box"),
         key("vpls.sampler", Choice(choices::<VplSampler>()), "How texels are chosen to be virtual point lights"),
         key("vpls.count", Whole { min: 1, max: 1_048_576 }, "Virtual point lights in all; `\"every-texel\"` has its own number"),
-        key("vpls.reflection", Choice(choices::<Reflection>()), "Which reflection makes virtual point lights; glossy ones need `gather.culling = \"stochastic-tiled\"`"),
+        key(
+            "vpls.reflection",
+            Choice(choices::<Reflection>()),
+            "Which reflection makes virtual point lights; glossy ones need `gather.culling = \"stochastic-tiled\"`",
+        ),
         key("bounce.count", Whole { min: 1, max: 8 }, "Bounces of indirect light; one is that of the lights above alone"),
         key("bounce.clusters", Whole { min: 1, max: 64 }, "Clusters of a bounce's virtual point lights, each with a map of what it sees"),
         key("bounce.representative", Choice(choices::<Representative>()), "Where a cluster's map is rendered from"),
@@ -289,7 +298,11 @@ fn list() -> Vec<KeyInfo> {
         key("gather.bounds", Choice(choices::<Bounds>()), "What stochastic culling bounds a glossy light's range by"),
         key("gather.delta", above(0.0, 1e6), "Irradiance facing a light, W/m^2, below which stochastic culling leaves it to chance"),
         key("gather.roulette", Choice(choices::<RouletteChoice>()), "The random numbers for that: the same in every frame, or new ones"),
-        key("gather.statistics", Flag, "Counts the lights that stochastic culling lists and lights a pixel: `--dump gather/stochastic-tiled`"),
+        key(
+            "gather.statistics",
+            Flag,
+            "Counts the lights that stochastic culling lists and lights a pixel: `--dump gather/stochastic-tiled`",
+        ),
         key("gather.emitters", Choice(choices::<Emitters>()), "What virtual point lights shine as on what is near them"),
         key("gather.min_distance", from(0.0, 1e6), "Below this distance a light gets no brighter, metres; 0 turns it off"),
         key("filter.kind", Choice(choices::<FilterKind>()), "How the indirect light is smoothed"),

@@ -2,7 +2,10 @@
 
 use super::check::error;
 use super::tree::{Node, Origin, Table, Value};
-use super::{Builtin, CameraConfig, Collect, Config, IsmRenderer, LightConfig, LightKeyframe, PointSet, VisibilityConfig};
+use super::{
+    Builtin, CameraConfig, Collect, Config, Culling, Emitters, IsmRenderer, LightConfig, LightKeyframe, PointSet, Reflection,
+    VisibilityConfig,
+};
 use anyhow::Result;
 use glam::DVec3;
 
@@ -22,10 +25,20 @@ pub fn given(root: &Table) -> Result<()> {
         if let (None, Some(node)) = (scene.get("file"), scene.get("animation")) {
             return Err(error(&node.origin, "scene.animation", "only a glTF file has animations to choose from; give scene.file"));
         }
-        let cornell = matches!(scene.get("builtin"), Some(Node { value: Value::Text(name), .. }) if name == "cornell");
-        for knob in ["triangles", "seed"] {
-            if let (true, Some(node)) = (cornell || scene.contains_key("file"), scene.get(knob)) {
-                return Err(error(&node.origin, &format!("scene.{knob}"), "only the built-in atrium has this knob; remove it"));
+        let builtin = match scene.get("builtin") {
+            _ if scene.contains_key("file") => "",
+            Some(Node { value: Value::Text(name), .. }) => name.as_str(),
+            _ => "atrium",
+        };
+        let knobs: [(&str, &[&str]); 3] = [("triangles", &["atrium", "caustics"]), ("seed", &["atrium"]), ("roughness", &["caustics"])];
+        for (knob, scenes) in knobs {
+            if let (false, Some(node)) = (scenes.contains(&builtin), scene.get(knob)) {
+                let scenes = scenes.join(" and ");
+                return Err(error(
+                    &node.origin,
+                    &format!("scene.{knob}"),
+                    format_args!("of the built-in scenes only {scenes} has this knob; remove it"),
+                ));
             }
         }
     }
@@ -49,8 +62,26 @@ pub fn values(config: &Config, root: &Node) -> Result<()> {
     {
         return fail("rsm.box".to_owned(), "min must be less than max on every axis".to_owned());
     }
+    if config.scene.builtin == Some(Builtin::Atrium) && config.scene.triangles < 10_000 {
+        return fail(
+            "scene.triangles".to_owned(),
+            format!("{} is too few for the atrium, expected 10000 to 8000000", config.scene.triangles),
+        );
+    }
+    if config.vpls.reflection != Reflection::Diffuse && config.gather.culling != Culling::StochasticTiled {
+        let message = "glossy virtual point lights are summed by stochastic culling alone; take gather.culling = \"stochastic-tiled\"";
+        return fail("vpls.reflection".to_owned(), message.to_owned());
+    }
+    if config.gather.culling == Culling::StochasticTiled && config.gather.emitters == Emitters::Disks {
+        let message = "stochastic culling bounds the range of points, not of disks; take emitters = \"points\"";
+        return fail("gather.emitters".to_owned(), message.to_owned());
+    }
     if config.camera.as_ref().is_some_and(|camera| camera.node.is_some()) && config.scene.file.is_none() {
-        let builtin = if config.scene.builtin == Some(Builtin::Cornell) { "cornell" } else { "atrium" };
+        let builtin = match config.scene.builtin {
+            Some(Builtin::Cornell) => "cornell",
+            Some(Builtin::Caustics) => "caustics",
+            Some(Builtin::Atrium) | None => "atrium",
+        };
         let message = format!("only a glTF file has named cameras, and the scene is the built-in {builtin}; give position and target");
         return fail("camera.node".to_owned(), message);
     }

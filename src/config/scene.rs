@@ -15,8 +15,10 @@ pub struct SceneConfig {
     /// Which of the file's animations moves it, "none" for none; its first if absent.
     pub animation: Option<SceneSelector>,
     pub builtin: Option<Builtin>,
-    /// About how many triangles the atrium is made of, 10,000 to 8,000,000.
+    /// About how many triangles the atrium is made of, and just how many the caustics are, 8,000 to 8,000,000.
     pub triangles: u32,
+    /// GGX's alpha of the caustics' metal, 0.001 to 1: a glTF material's roughness is its root.
+    pub roughness: f32,
     /// Seed of what is random in the atrium.
     pub seed: u32,
     /// Triangles are split until no edge is longer than this part of the scene's diagonal, 0.001 to 1; as they are if absent.
@@ -25,7 +27,16 @@ pub struct SceneConfig {
 
 impl Default for SceneConfig {
     fn default() -> Self {
-        Self { file: None, scene: None, animation: None, builtin: Some(Builtin::Atrium), triangles: 260_000, seed: 0, split: None }
+        Self {
+            file: None,
+            scene: None,
+            animation: None,
+            builtin: Some(Builtin::Atrium),
+            triangles: 260_000,
+            roughness: 0.05,
+            seed: 0,
+            split: None,
+        }
     }
 }
 
@@ -44,9 +55,13 @@ impl Serialize for SceneConfig {
         } else {
             let builtin = self.builtin.unwrap_or_default();
             table.serialize_field("builtin", &builtin)?;
-            if builtin == Builtin::Atrium {
+            if builtin != Builtin::Cornell {
                 table.serialize_field("triangles", &self.triangles)?;
-                table.serialize_field("seed", &self.seed)?;
+            }
+            match builtin {
+                Builtin::Atrium => table.serialize_field("seed", &self.seed)?,
+                Builtin::Caustics => table.serialize_field("roughness", &self.roughness)?,
+                Builtin::Cornell => {}
             }
         }
         if let Some(split) = &self.split {
@@ -71,6 +86,8 @@ pub enum Builtin {
     /// A two-storey colonnaded court.
     #[default]
     Atrium,
+    /// Rings, a bowl and a pipe of metal on a floor.
+    Caustics,
     /// The classic box with two blocks.
     Cornell,
 }

@@ -1,6 +1,7 @@
 //! Scenes made by code: nothing to load, the same bytes on every run.
 
 mod atrium;
+mod caustics;
 mod cornell;
 mod noise;
 mod profile;
@@ -8,6 +9,7 @@ mod shapes;
 mod texels;
 
 pub use atrium::{Atrium, atrium};
+pub use caustics::{Caustics, caustics};
 pub use cornell::cornell;
 
 /// How finely curved things are divided; 1 is the default scene's.

@@ -55,7 +55,9 @@ pub fn indirect(g: &mut Graph, gbuffer: &GBuffer, lights: &[(Vpls, Visibility)],
     let of_bounce = |((vpls, visibility), time): (&(Vpls, Visibility), u32)| {
         g.again(time, |g| match (config.method, config.culling) {
             (GatherMethod::PerPixel, Culling::StochasticTiled) => stochastic::tiled(g, gbuffer, vpls, *visibility, roulette, config),
-            (GatherMethod::PerPixel, Culling::None | Culling::Tiled | Culling::Clustered) => per_pixel(g, gbuffer, vpls, *visibility, config),
+            (GatherMethod::PerPixel, Culling::None | Culling::Tiled | Culling::Clustered) => {
+                per_pixel(g, gbuffer, vpls, *visibility, config)
+            }
         })
     };
     let images: Vec<Image> = lights.iter().zip(1..).map(of_bounce).collect();

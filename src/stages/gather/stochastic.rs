@@ -107,12 +107,8 @@ pub(super) fn tiled(
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
     let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.statistics { gbuffer.size } else { [1, 1] });
     let groups = gbuffer.size.map(|side| side.div_ceil(TILE * n) * n);
-    let names = [
-        "gather/stochastic-tiled",
-        "gather/stochastic-tiled-visible",
-        "gather/stochastic-tiled-ism",
-        "gather/stochastic-tiled-clusters",
-    ];
+    let names =
+        ["gather/stochastic-tiled", "gather/stochastic-tiled-visible", "gather/stochastic-tiled-ism", "gather/stochastic-tiled-clusters"];
     shadowed(g, names, visibility)
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
