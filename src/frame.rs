@@ -58,7 +58,7 @@ pub fn frame(
     };
     let lights = visibility::render(g, around, &bounces, config);
     let roulette = Roulette::of(config, index);
-    let indirect = gather::indirect(g, &gbuffer, &lights, roulette, &config.gather);
+    let indirect = gather::indirect(g, &scene.shells, &gbuffer, &lights, roulette, &config.gather);
     let irradiance = filter::smooth(g, &gbuffer, indirect, config.gather.interleave, &config.filter);
     let visible = ssao::occlusion(g, &gbuffer, &config.ssao);
     let direct = direct::shade(g, scene, traced.as_ref(), &gbuffer, &rsm, config.materials.dielectric, &config.direct);

@@ -1,5 +1,6 @@
 #ifndef RANGE_GLSL
 #define RANGE_GLSL
+#include "lib/lobe.glsl"
 // What bounds where VPLs may shine in a frame: spheres and spheroids in the view's space, whose axes are the camera's right, up and
 // forward (Tokuyoshi and Harada 2017, sections 3 to 5).
 

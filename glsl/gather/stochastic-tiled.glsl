@@ -2,35 +2,17 @@
 // 1 / p times, by one random number a VPL, so that what bounds its range culls it for whole tiles. A tile is 16 x 16 pixels of one sample
 // set, halved at the middle of its depth (Stewart 2015). The lists are bits in shared memory, in the VPLs' order. Whoever includes
 // it defines `seen`, as for gather/per-pixel.glsl.
-#include "lib/lobe.glsl"
+#include "gather/stochastic.glsl"
 #include "gather/range.glsl"
-#include "lib/color.glsl"
-#include "lib/packing.glsl"
-#include "lib/view.glsl"
-#include "lib/vpl.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in; // of 2 x 2 pixels of the set each
-layout(constant_id = 0) const uint INTERLEAVE = 1;
 layout(constant_id = 3) const bool DIFFUSE = true;
 layout(constant_id = 4) const bool LOBES = false;
 layout(constant_id = 5) const bool CULL = true;
 layout(constant_id = 6) const bool STATISTICS = false;
 
-layout(scalar, push_constant) uniform Params {
-    uint count;
-    float squared_min_distance;
-    float delta;
-} params;
-
-layout(scalar) uniform ViewBlock { View it; } view;
-uniform sampler2D depth;
-uniform sampler2D normal;
-layout(scalar) readonly buffer Points { VplPoint at[]; } points;
-layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
-layout(scalar) readonly buffer Lobes { Lobe at[]; } lobes;
 layout(scalar) readonly buffer Spheres { vec4 at[]; } spheres;
 layout(scalar) readonly buffer Spheroids { Spheroid at[]; } spheroids;
-layout(scalar) readonly buffer Chances { vec2 at[]; } chances;
 layout(rgba32f) writeonly uniform image2D numbers; // VPLs on the pixel's list and VPLs that count; of diffuse ones, then of lobes
 layout(rgba16f) writeonly uniform image2D irradiance;
 
@@ -39,37 +21,12 @@ const uint WORDS = 32u; // of a list: 1024 VPLs at a time
 const uint INVOCATIONS = 64u;
 
 uvec4 seen(ivec2 pixel, uint index);
-Shadow shadow_of(uint vpl, vec3 position, vec3 facing);
-float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float to);
 
 shared uint near_low;  // bits of distances, which are in their order
 shared uint near_high; // of the nearer half
 shared uint far_low;
 shared uint far_high;
 shared uint lists[4][WORDS]; // diffuse near and far, lobes near and far
-
-struct Receiver {
-    ivec2 pixel;
-    vec3 position;
-    vec3 normal;
-    vec3 sum;
-    float distance; // along the view's axis; 0 where there is no surface
-    bool far;       // in the farther half
-    uvec4 numbers;  // for the statistics
-};
-
-Receiver receiver(ivec2 pixel) {
-    Receiver r = Receiver(pixel, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, false, uvec4(0u));
-    if (all(lessThan(uvec2(pixel), uvec2(view.it.width, view.it.height)))) {
-        float z = texelFetch(depth, pixel, 0).r;
-        if (z > 0.0) {
-            r.position = view_position(view.it, pixel, z);
-            r.normal = octahedral_inverse(texelFetch(normal, pixel, 0).xy);
-            r.distance = view.it.near / z;
-        }
-    }
-    return r;
-}
 
 // What the tile's pixels of one half span, in the view's space: [low, high] in tangents to the sides, and in distance.
 struct Part {
@@ -105,32 +62,6 @@ bool meets_sphere(Part part, vec4 sphere) {
 
 bool meets_spheroid(Part part, Spheroid it) {
     return part.low.z <= part.high.z && it.depth != 0.0 && squared_distance(part, it.row0, it.row1, it.depth, it.centre) <= 1.001;
-}
-
-// Equations 2 and 3: what a VPL adds, from its irradiance on a surface that faces it.
-vec3 by_chance(vec3 facing_irradiance, float xi, inout uint number) {
-    float most = largest(facing_irradiance);
-    if (!(most > params.delta * xi)) return vec3(0.0);
-    number++;
-    return facing_irradiance * max(params.delta / most, 1.0);
-}
-
-void shade_diffuse(inout Receiver r, vec3 position, vec3 facing, vec3 intensity, float xi, Shadow shadow, float visible) {
-    vec3 way = position - r.position;
-    float squared = dot(way, way), inverse = inversesqrt(max(squared, 1e-20));
-    float from = max(-dot(facing, way), 0.0), to = max(dot(r.normal, way), 0.0);
-    vec3 arrives = by_chance(intensity * (from * inverse / max(max(squared, params.squared_min_distance), 1e-20)), xi, r.numbers.y);
-    if (largest(arrives) > 0.0 && to > 0.0) r.sum += arrives * (to * inverse * visible * lit(shadow, r.normal, way, squared, from, to));
-}
-
-void shade_lobe(inout Receiver r, vec3 position, vec3 facing, Lobe lobe, vec3 n, vec3 wi, float xi, Shadow shadow, float visible) {
-    vec3 way = position - r.position;
-    float squared = dot(way, way), inverse = inversesqrt(max(squared, 1e-20));
-    float from = -dot(facing, way), to = max(dot(r.normal, way), 0.0);
-    if (from <= 0.0) return;
-    vec3 intensity = lobe_intensity(lobe.flux, lobe.f0, lobe.f90, lobe.alpha, n, wi, way * -inverse);
-    vec3 arrives = by_chance(intensity / max(max(squared, params.squared_min_distance), 1e-20), xi, r.numbers.w);
-    if (largest(arrives) > 0.0 && to > 0.0) r.sum += arrives * (to * inverse * visible * lit(shadow, r.normal, way, squared, from, to));
 }
 
 void store(Receiver r) {
@@ -237,31 +168,23 @@ void main() {
                 uint bit = uint(findLSB(diffuse));
                 diffuse &= diffuse - 1u;
                 uint index = first + (start + word * 32u + bit) * SETS;
-                VplPoint point = points.at[index];
-                vec3 facing = octahedral_snorm16_inverse(point.normal), intensity = intensities.at[index];
-                float xi = chances.at[index].x;
-                Shadow shadow = shadow_of(index, point.position, facing);
+                Diffuse it = diffuse_vpl(index);
                 vec4 visible = vec4((see >> bit) & 1u);
-                shade_diffuse(a, point.position, facing, intensity, xi, shadow, visible.x);
-                shade_diffuse(b, point.position, facing, intensity, xi, shadow, visible.y);
-                shade_diffuse(c, point.position, facing, intensity, xi, shadow, visible.z);
-                shade_diffuse(d, point.position, facing, intensity, xi, shadow, visible.w);
+                shade(a, it, visible.x);
+                shade(b, it, visible.y);
+                shade(c, it, visible.z);
+                shade(d, it, visible.w);
             }
             while (LOBES && glossy != 0u) {
                 uint bit = uint(findLSB(glossy));
                 glossy &= glossy - 1u;
                 uint index = first + (start + word * 32u + bit) * SETS;
-                VplPoint point = points.at[index];
-                Lobe lobe = lobes.at[index];
-                vec3 facing = octahedral_snorm16_inverse(point.normal);
-                vec3 n = octahedral_snorm16_inverse(lobe.normal), wi = octahedral_snorm16_inverse(lobe.incoming);
-                float xi = chances.at[index].y;
-                Shadow shadow = shadow_of(index, point.position, facing);
+                Glossy it = glossy_vpl(index);
                 vec4 visible = vec4((see >> bit) & 1u);
-                shade_lobe(a, point.position, facing, lobe, n, wi, xi, shadow, visible.x);
-                shade_lobe(b, point.position, facing, lobe, n, wi, xi, shadow, visible.y);
-                shade_lobe(c, point.position, facing, lobe, n, wi, xi, shadow, visible.z);
-                shade_lobe(d, point.position, facing, lobe, n, wi, xi, shadow, visible.w);
+                shade(a, it, visible.x);
+                shade(b, it, visible.y);
+                shade(c, it, visible.z);
+                shade(d, it, visible.w);
             }
         }
     }

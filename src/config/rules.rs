@@ -1,9 +1,10 @@
 //! What no single key can say: keys that exclude or need each other, keyframes in order, lights and cameras that look somewhere.
 
+use super::VisibilityMethod;
 use super::check::error;
 use super::tree::{Node, Origin, Table, Value};
 use super::{
-    Builtin, CameraConfig, Collect, Config, Culling, Emitters, IsmRenderer, LightConfig, LightKeyframe, PointSet, Reflection,
+    Bounds, Builtin, CameraConfig, Collect, Config, Culling, Emitters, IsmRenderer, LightConfig, LightKeyframe, PointSet, Reflection,
     VisibilityConfig,
 };
 use anyhow::Result;
@@ -68,11 +69,21 @@ pub fn values(config: &Config, root: &Node) -> Result<()> {
             format!("{} is too few for the atrium, expected 10000 to 8000000", config.scene.triangles),
         );
     }
-    if config.vpls.reflection != Reflection::Diffuse && config.gather.culling != Culling::StochasticTiled {
+    if config.vpls.reflection != Reflection::Diffuse && !config.gather.culling.is_stochastic() {
         let message = "glossy virtual point lights are summed by stochastic culling alone; take gather.culling = \"stochastic-tiled\"";
         return fail("vpls.reflection".to_owned(), message.to_owned());
     }
-    if config.gather.culling == Culling::StochasticTiled && config.gather.emitters == Emitters::Disks {
+    if matches!(config.gather.culling, Culling::Splatting | Culling::ConservativeClusters) {
+        if config.visibility_methods().any(|method| method != VisibilityMethod::None) {
+            let message = "splats and conservative clusters are there to be timed, and have no shadows; take visibility.method = \"none\"";
+            return fail("gather.culling".to_owned(), message.to_owned());
+        }
+        if config.gather.bounds == Bounds::None {
+            let message = "\"none\" leaves nothing to draw; take another, or gather.culling = \"stochastic-tiled\"";
+            return fail("gather.bounds".to_owned(), message.to_owned());
+        }
+    }
+    if config.gather.culling.is_stochastic() && config.gather.emitters == Emitters::Disks {
         let message = "stochastic culling bounds the range of points, not of disks; take emitters = \"points\"";
         return fail("gather.emitters".to_owned(), message.to_owned());
     }

@@ -408,6 +408,21 @@ pub enum Culling {
     Clustered,
     /// Those that shine little by chance, so that nothing is lost on average; then by tiles and bounds of their ranges.
     StochasticTiled,
+    /// Likewise, and then by drawing each range's bounds of 80 triangles, and adding up.
+    Splatting,
+    /// Likewise, and then by light lists of clusters: tiles of 16 pixels of a subset and 32 slices of depth, which bounds of 20 triangles are
+    /// conservatively rasterized into.
+    ConservativeClusters,
+}
+
+impl Culling {
+    /// Whether it leaves lights to chance.
+    pub fn is_stochastic(self) -> bool {
+        match self {
+            Self::StochasticTiled | Self::Splatting | Self::ConservativeClusters => true,
+            Self::None | Self::Tiled | Self::Clustered => false,
+        }
+    }
 }
 
 /// What bounds a glossy light's random range.

@@ -53,12 +53,16 @@ pub enum Feature {
     LargePoints,
     /// Storage writes and atomics in vertex, tessellation and geometry shaders.
     VertexPipelineStores,
+    /// And in fragment shaders.
+    FragmentStores,
+    /// Sums in a colour attachment of R32G32B32A32_SFLOAT.
+    BlendedRgba32Float,
     /// Timestamps on the queue that runs graphics and compute.
     Timestamps,
 }
 
 impl Feature {
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::Vulkan13,
         Self::PushDescriptors,
         Self::ScalarBlockLayout,
@@ -73,6 +77,8 @@ impl Feature {
         Self::ClipDistance,
         Self::LargePoints,
         Self::VertexPipelineStores,
+        Self::FragmentStores,
+        Self::BlendedRgba32Float,
         Self::Timestamps,
     ];
     /// Without these no slot works.
@@ -96,6 +102,8 @@ impl fmt::Display for Feature {
             Self::ClipDistance => "shaderClipDistance",
             Self::LargePoints => "largePoints and shaderTessellationAndGeometryPointSize, to 64 pixels",
             Self::VertexPipelineStores => "vertexPipelineStoresAndAtomics",
+            Self::FragmentStores => "fragmentStoresAndAtomics",
+            Self::BlendedRgba32Float => "blending of R32G32B32A32_SFLOAT colour attachments",
             Self::Timestamps => "timestamp queries",
         })
     }
@@ -193,6 +201,7 @@ impl Adapter {
             let format = |format| unsafe { instance.get_physical_device_format_properties(handle, format) }.optimal_tiling_features;
             let filtered = format(vk::Format::R32G32_SFLOAT)
                 .contains(vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR | vk::FormatFeatureFlags::STORAGE_IMAGE);
+            let blended = format(vk::Format::R32G32B32A32_SFLOAT).contains(vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND);
             let snorm =
                 format(vk::Format::R16G16_SNORM).contains(vk::FormatFeatureFlags::COLOR_ATTACHMENT | vk::FormatFeatureFlags::STORAGE_IMAGE);
             let on = vk::TRUE;
@@ -214,6 +223,8 @@ impl Adapter {
                         && basic.limits.point_size_range[1] >= 64.0
                 }
                 Feature::VertexPipelineStores => core.vertex_pipeline_stores_and_atomics == on,
+                Feature::FragmentStores => core.fragment_stores_and_atomics == on,
+                Feature::BlendedRgba32Float => blended,
                 Feature::Timestamps => timestamp_bits > 0,
             }));
         }

@@ -167,7 +167,8 @@ impl Gpu {
             .shader_clip_distance(has(Feature::ClipDistance))
             .large_points(has(Feature::LargePoints))
             .shader_tessellation_and_geometry_point_size(has(Feature::LargePoints))
-            .vertex_pipeline_stores_and_atomics(has(Feature::VertexPipelineStores));
+            .vertex_pipeline_stores_and_atomics(has(Feature::VertexPipelineStores))
+            .fragment_stores_and_atomics(has(Feature::FragmentStores));
         let mut v11 = vk::PhysicalDeviceVulkan11Features::default().shader_draw_parameters(has(Feature::ShaderDrawParameters));
         let mut v12 = vk::PhysicalDeviceVulkan12Features::default()
             .scalar_block_layout(true)

@@ -18,6 +18,8 @@ pub struct RasterState {
     pub depth: Option<Format>,
     /// Drops triangles that face away.
     pub cull_back: bool,
+    /// Adds to what the colour targets hold.
+    pub additive: bool,
 }
 
 /// Where a vertex shader's input lies in a vertex: its name there, format and offset.
@@ -183,7 +185,15 @@ impl Gpu {
         let blends: Vec<_> = state
             .color
             .iter()
-            .map(|_| vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA))
+            .map(|_| {
+                vk::PipelineColorBlendAttachmentState::default()
+                    .color_write_mask(vk::ColorComponentFlags::RGBA)
+                    .blend_enable(state.additive)
+                    .src_color_blend_factor(vk::BlendFactor::ONE)
+                    .dst_color_blend_factor(vk::BlendFactor::ONE)
+                    .src_alpha_blend_factor(vk::BlendFactor::ONE)
+                    .dst_alpha_blend_factor(vk::BlendFactor::ONE)
+            })
             .collect();
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
         let dynamic =

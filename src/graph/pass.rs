@@ -61,6 +61,7 @@ pub(super) struct ColorTarget {
     pub output: &'static str,
     pub image: Image,
     pub load: Load,
+    pub additive: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -212,13 +213,19 @@ impl<'g> RasterPass<'g> {
 
     /// Clears an image to a value and renders the fragment shader's output of this name into it.
     pub fn color(mut self, output: &'static str, image: Image, clear: [f32; 4]) -> Self {
-        self.color.push(ColorTarget { output, image, load: Load::Clear(clear) });
+        self.color.push(ColorTarget { output, image, load: Load::Clear(clear), additive: false });
         self
     }
 
     /// Renders the fragment shader's output of this name over what an image holds.
     pub fn color_over(mut self, output: &'static str, image: Image) -> Self {
-        self.color.push(ColorTarget { output, image, load: Load::Keep });
+        self.color.push(ColorTarget { output, image, load: Load::Keep, additive: false });
+        self
+    }
+
+    /// Clears an image to 0 and adds up in it what the fragment shader's output of this name is, in the triangles' order.
+    pub fn color_sum(mut self, output: &'static str, image: Image) -> Self {
+        self.color.push(ColorTarget { output, image, load: Load::Clear([0.0; 4]), additive: true });
         self
     }
 

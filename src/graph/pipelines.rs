@@ -24,6 +24,7 @@ impl Engine {
                 color: color.iter().map(|target| target.image.format).collect(),
                 depth: depth.map(|(image, _)| image.format),
                 cull_back: list.is_some_and(|list| list.cull_back),
+                additive: color.iter().any(|target| target.additive),
             }),
         };
         let mut constants = pass.constants.clone();

@@ -29,6 +29,11 @@ impl ShaderStruct for f32 {
     const MEMBERS: &'static [Member] = &[];
 }
 
+impl ShaderStruct for [u32; 2] {
+    const NAME: &'static str = "uvec2";
+    const MEMBERS: &'static [Member] = &[];
+}
+
 impl ShaderStruct for [f32; 2] {
     const NAME: &'static str = "vec2";
     const MEMBERS: &'static [Member] = &[];

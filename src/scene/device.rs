@@ -4,6 +4,7 @@
 //! one indirect draw, with its numbers and its maps bound once and the shader specialised to what it has. That is what makes
 //! them uniform to the shader: on a software driver, a fifth of a map's time.
 
+use super::shells::Shells;
 use super::triangles::{TriangleHandles, Triangles};
 use super::{Aabb, Draw, Filter, Map, Material, Scene, Wrap};
 use crate::fail;
@@ -136,6 +137,8 @@ pub struct DeviceScene {
     blank: ImageId,
     buckets: Vec<Bucket>,
     pub triangle_table: Triangles,
+    /// Bounding geometry, for lights.
+    pub shells: Shells,
 }
 
 /// All of a scene, in parts that a pass may leave out before they are drawn.
@@ -198,6 +201,7 @@ impl DeviceScene {
             blank: gpu.create_texture_array("scene/blank", Format::Rgba8Unorm, [1, 1], &[&[255; 4]])?,
             buckets,
             triangle_table: Triangles::upload(gpu, scene)?,
+            shells: Shells::upload(gpu)?,
         })
     }
 

@@ -14,6 +14,7 @@ pub mod gltf;
 pub mod order;
 pub mod pack;
 pub mod projection;
+pub mod shells;
 pub mod split;
 pub mod tangents;
 pub mod traced;

@@ -24,8 +24,8 @@ pub struct Method {
 /// Every method there is.
 pub const METHODS: &[Method] = {
     use Feature::{
-        ClipDistance, FilteredRg32Float, GeometryShader, LargePoints, LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters,
-        Snorm16Images, SubgroupBallot, TessellationShader, VertexPipelineStores,
+        BlendedRgba32Float, ClipDistance, FilteredRg32Float, FragmentStores, GeometryShader, LargePoints, LayerFromVertexShader,
+        MultiDrawIndirect, ShaderDrawParameters, Snorm16Images, SubgroupBallot, TessellationShader, VertexPipelineStores,
     };
     const fn method(slot: &'static str, name: &'static str, needs: &'static [Feature]) -> Method {
         Method { slot, name, needs }
@@ -62,6 +62,8 @@ pub const METHODS: &[Method] = {
         method("gather.culling", "tiled", &[]),
         method("gather.culling", "clustered", &[]),
         method("gather.culling", "stochastic-tiled", &[]),
+        method("gather.culling", "splatting", &[MultiDrawIndirect, ClipDistance, BlendedRgba32Float]),
+        method("gather.culling", "conservative-clusters", &[MultiDrawIndirect, GeometryShader, FragmentStores]),
         method("filter.kind", "bilateral", &[]),
         method("filter.kind", "gaussian", &[]),
         method("filter.kind", "cross-bilateral", &[]),

@@ -1,5 +1,6 @@
 //! Irradiance at every pixel from the VPLs.
 
+mod rivals;
 mod stochastic;
 
 pub use stochastic::Roulette;
@@ -10,6 +11,7 @@ use super::vpls::Vpls;
 use crate::config::{Culling, Emitters, GatherConfig, GatherMethod, Lookup};
 use crate::gpu::Format;
 use crate::graph::{Buffer, ComputePass, Graph, Image};
+use crate::scene::shells::Shells;
 use crate::shader_struct;
 
 shader_struct! {
@@ -51,10 +53,21 @@ shader_struct! {
 pub const MOST_VPLS_A_PIXEL: u64 = 100_000;
 
 /// Fills the slot with the config's method; the image holds indirect irradiance, W/m^2, of all bounces' VPLs.
-pub fn indirect(g: &mut Graph, gbuffer: &GBuffer, lights: &[(Vpls, Visibility)], roulette: Roulette, config: &GatherConfig) -> Image {
+pub fn indirect(
+    g: &mut Graph,
+    shells: &Shells,
+    gbuffer: &GBuffer,
+    lights: &[(Vpls, Visibility)],
+    roulette: Roulette,
+    config: &GatherConfig,
+) -> Image {
     let of_bounce = |((vpls, visibility), time): (&(Vpls, Visibility), u32)| {
         g.again(time, |g| match (config.method, config.culling) {
             (GatherMethod::PerPixel, Culling::StochasticTiled) => stochastic::tiled(g, gbuffer, vpls, *visibility, roulette, config),
+            (GatherMethod::PerPixel, Culling::Splatting) => rivals::splatting(g, shells, gbuffer, vpls, roulette, config),
+            (GatherMethod::PerPixel, Culling::ConservativeClusters) => {
+                rivals::conservative_clusters(g, shells, gbuffer, vpls, roulette, config)
+            }
             (GatherMethod::PerPixel, Culling::None | Culling::Tiled | Culling::Clustered) => {
                 per_pixel(g, gbuffer, vpls, *visibility, config)
             }
@@ -92,10 +105,10 @@ fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibili
     let groups = groups_of_sets(gbuffer.size, n, [2, 2]);
     let clusters = match config.culling {
         Culling::Clustered => Some(clusters(g, gbuffer, vpls, n)),
-        Culling::None | Culling::Tiled | Culling::StochasticTiled => None,
+        Culling::None | Culling::Tiled | Culling::StochasticTiled | Culling::Splatting | Culling::ConservativeClusters => None,
     };
     let names = match config.culling {
-        Culling::StochasticTiled => unreachable!("it has a function of its own"),
+        Culling::StochasticTiled | Culling::Splatting | Culling::ConservativeClusters => unreachable!("they have functions of their own"),
         Culling::None => ["gather/per-pixel", "gather/per-pixel-visible", "gather/per-pixel-ism", "gather/per-pixel-clusters"],
         Culling::Tiled => ["gather/tiled", "gather/tiled-visible", "gather/tiled-ism", "gather/tiled-clusters"],
         Culling::Clustered => ["gather/clustered", "gather/clustered-visible", "gather/clustered-ism", "gather/clustered-clusters"],

@@ -23,7 +23,7 @@ shader_struct! {
         seed: u32,
     }
 
-    struct StochasticParams {
+    pub(super) struct StochasticParams {
         count: u32,
         squared_min_distance: f32,
         delta: f32,
@@ -31,6 +31,12 @@ shader_struct! {
 
     struct StatisticsParams {
         size: [i32; 2],
+    }
+}
+
+impl StochasticParams {
+    pub(super) fn of(vpls: &Vpls, config: &GatherConfig) -> Self {
+        Self { count: vpls.count, squared_min_distance: config.min_distance * config.min_distance, delta: config.delta }
     }
 }
 
@@ -52,18 +58,18 @@ impl Roulette {
 const TILE: u32 = 16;
 
 /// Where the VPLs may shine.
-struct Ranges {
+pub(super) struct Ranges {
     /// Of the diffuse ones, in the view's space: centre and radius.
-    spheres: Buffer,
-    spheroids: Buffer,
+    pub spheres: Buffer,
+    pub spheroids: Buffer,
     /// The random numbers of the diffuse VPL and of the lobe.
-    chances: Buffer,
+    pub chances: Buffer,
     /// The lobes, or what stands in their place where there are none.
-    lobes: Buffer,
+    pub lobes: Buffer,
 }
 
 /// Range determination (sections 3 and 4).
-fn ranges(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, Roulette(seed): Roulette, config: &GatherConfig) -> Ranges {
+pub(super) fn ranges(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, Roulette(seed): Roulette, config: &GatherConfig) -> Ranges {
     let lobes = vpls.lobes.unwrap_or_else(|| g.zeroed::<Lobe>("gather/no-lobes", 1));
     let ranges = Ranges {
         spheres: g.buffer::<[f32; 4]>("gather/spheres", vpls.count),
@@ -126,11 +132,7 @@ pub(super) fn tiled(
         .constant("LOBES", vpls.lobes.is_some())
         .constant("CULL", config.bounds != Bounds::None)
         .constant("STATISTICS", config.statistics)
-        .params(&StochasticParams {
-            count: vpls.count,
-            squared_min_distance: config.min_distance * config.min_distance,
-            delta: config.delta,
-        })
+        .params(&StochasticParams::of(vpls, config))
         .dispatch_groups([groups[0], groups[1], 1]);
     if config.statistics {
         statistics(g, gbuffer, numbers);
@@ -140,7 +142,7 @@ pub(super) fn tiled(
 
 /// Pictures how many VPLs pixels have on their lists and how many of those do not shine on them (figures 9 and 10), and counts
 /// `gather/pixels` and pairs of them and VPLs: `gather/diffuse-listed`, `gather/diffuse-lit`, `gather/glossy-listed`, `gather/glossy-lit`.
-fn statistics(g: &mut Graph, gbuffer: &GBuffer, numbers: Image) {
+pub(super) fn statistics(g: &mut Graph, gbuffer: &GBuffer, numbers: Image) {
     let picture = g.image("gather/statistics", Format::Rgba8Unorm, gbuffer.size);
     let names = ["pixels", "diffuse-listed", "diffuse-lit", "glossy-listed", "glossy-lit"];
     let [pixels, diffuse_listed, diffuse_lit, glossy_listed, glossy_lit] = names.map(|name| g.count(&format!("gather/{name}")));

@@ -1,0 +1,21 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Takes pixels that are sorted by their sample sets back to where they belong.
+#include "lib/color.glsl"
+
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const uint INTERLEAVE = 1;
+
+layout(scalar, push_constant) uniform Params { ivec2 size; } params;
+
+layout(rgba32f) readonly uniform image2D sorted;
+layout(rgba16f) writeonly uniform image2D irradiance;
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), n = ivec2(INTERLEAVE);
+    if (any(greaterThanEqual(pixel, params.size))) return;
+    ivec2 one = (params.size + n - 1) / n;
+    vec3 sum = imageLoad(sorted, pixel % n * one + pixel / n).rgb;
+    imageStore(irradiance, pixel, vec4(min(sum * float(INTERLEAVE * INTERLEAVE), LARGEST_HALF), 1.0));
+}

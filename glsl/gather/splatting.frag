@@ -1,0 +1,21 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// What a VPL adds to a pixel that its bounds cover.
+#include "gather/unshadowed.glsl"
+#include "gather/stochastic.glsl"
+
+layout(constant_id = 1) const bool GLOSSY = false;
+
+layout(location = 0) flat in uint in_vpl;
+layout(location = 0) out vec4 sum;
+
+void main() {
+    uvec2 size = (uvec2(view.it.width, view.it.height) + INTERLEAVE - 1u) / INTERLEAVE, place = uvec2(gl_FragCoord.xy);
+    Receiver r = receiver(ivec2(place % size * INTERLEAVE + place / size));
+    sum = vec4(0.0);
+    if (r.distance <= 0.0) return;
+    if (GLOSSY) shade(r, glossy_vpl(in_vpl), 1.0);
+    else shade(r, diffuse_vpl(in_vpl), 1.0);
+    sum.rgb = r.sum;
+}

@@ -1,0 +1,151 @@
+//! Bounding geometry of the unit sphere: an icosahedron around it, and one whose faces are cut in four.
+
+use super::device::DrawArguments;
+use super::{Vertex, pack};
+use crate::gpu::{BufferId, Gpu};
+use crate::graph::{DrawList, Graph};
+use anyhow::Result;
+use glam::Vec3;
+use std::collections::BTreeMap;
+
+/// How many triangles bound a sphere.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shell {
+    Twenty,
+    Eighty,
+}
+
+/// The shells' buffers on the device.
+pub struct Shells {
+    vertices: BufferId,
+    indices: BufferId,
+    /// First index, number of indices and first vertex of each.
+    ranges: [[u32; 3]; 2],
+}
+
+impl Shells {
+    pub fn upload(gpu: &mut Gpu) -> Result<Self> {
+        let (mut vertices, mut indices, mut ranges) = (Vec::new(), Vec::<u32>::new(), [[0; 3]; 2]);
+        for (range, (points, triangles)) in ranges.iter_mut().zip([icosahedron(), divided(&icosahedron())]) {
+            let (points, triangles) = around_the_sphere(points, triangles);
+            *range = [indices.len() as u32, 3 * triangles.len() as u32, vertices.len() as u32];
+            // Counter-clockwise from outside; in the view's space, which is left-handed, whoever drops back faces keeps the far sides.
+            indices.extend(triangles.iter().flatten());
+            vertices.extend(points.iter().map(|p| Vertex {
+                position: (*p).into(),
+                normal: pack::octahedral_snorm16(p.normalize()),
+                uv: [0.0; 2],
+                color: u32::MAX,
+                tangent: 0,
+            }));
+        }
+        Ok(Self {
+            vertices: gpu.create_filled_buffer("shells/vertices", bytemuck::cast_slice(&vertices))?,
+            indices: gpu.create_filled_buffer("shells/indices", bytemuck::cast_slice(&indices))?,
+            ranges,
+        })
+    }
+
+    /// So many instances of one, with these constants; the far sides alone where `far_sides`.
+    pub fn list(
+        &self,
+        g: &mut Graph,
+        name: &str,
+        shell: Shell,
+        instances: u32,
+        far_sides: bool,
+        constants: Vec<(&'static str, u32)>,
+    ) -> DrawList {
+        let [first_index, index_count, first_vertex] = self.ranges[shell as usize];
+        let arguments =
+            DrawArguments { index_count, instance_count: instances, first_index, vertex_offset: first_vertex as i32, first_instance: 0 };
+        DrawList {
+            textures: Vec::new(),
+            blocks: Vec::new(),
+            constants,
+            cull_back: far_sides,
+            vertices: self.vertices,
+            indices: self.indices,
+            arguments: g.upload(name, &[arguments]),
+            first: 0,
+            count: 1,
+        }
+    }
+}
+
+type Solid = (Vec<Vec3>, Vec<[u32; 3]>);
+
+/// Corners on the unit sphere; triangles counter-clockwise from outside.
+fn icosahedron() -> Solid {
+    let golden = 0.5 * (1.0 + 5f32.sqrt());
+    let mut points = Vec::new();
+    for (a, b) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {
+        points.extend([Vec3::new(0.0, a, b), Vec3::new(a, b, 0.0), Vec3::new(b, 0.0, a)].map(Vec3::normalize));
+    }
+    // Three corners make a face where each is as near to the others as corners are.
+    let edge = 2.0 / (1.0 + golden * golden).sqrt() + 1e-3;
+    let near = |i: usize, j: usize| points[i].distance(points[j]) < edge;
+    let mut triangles = Vec::new();
+    for a in 0..12 {
+        for b in a + 1..12 {
+            for c in b + 1..12 {
+                if near(a, b) && near(b, c) && near(c, a) {
+                    let outward = (points[b] - points[a]).cross(points[c] - points[a]).dot(points[a]) > 0.0;
+                    let [b, c] = if outward { [b, c] } else { [c, b] };
+                    triangles.push([a as u32, b as u32, c as u32]);
+                }
+            }
+        }
+    }
+    (points, triangles)
+}
+
+/// Each triangle in four, the new corners on the sphere.
+fn divided((points, triangles): &Solid) -> Solid {
+    let mut all = points.clone();
+    let mut middles: BTreeMap<[u32; 2], u32> = BTreeMap::new();
+    let mut fine = Vec::new();
+    for [a, b, c] in triangles.iter().copied() {
+        let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|[i, j]| {
+            *middles.entry([i.min(j), i.max(j)]).or_insert_with(|| {
+                all.push((points[i as usize] + points[j as usize]).normalize());
+                all.len() as u32 - 1
+            })
+        });
+        fine.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+    }
+    (all, fine)
+}
+
+/// Grown until no face cuts into the sphere.
+fn around_the_sphere(points: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Solid {
+    let nearest = triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|i| points[i as usize]);
+            (b - a).cross(c - a).normalize().dot(a)
+        })
+        .fold(1.0, f32::min);
+    (points.iter().map(|p| *p / nearest * 1.0005).collect(), triangles)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shells_are_closed_around_the_unit_sphere_and_face_outwards() {
+        for ((points, triangles), count) in [(icosahedron(), 20), (divided(&icosahedron()), 80)] {
+            assert_eq!((triangles.len(), points.len()), (count, count / 2 + 2));
+            let (points, triangles) = around_the_sphere(points, triangles);
+            let mut volume = 0.0;
+            for t in &triangles {
+                let [a, b, c] = t.map(|i| points[i as usize]);
+                let normal = (b - a).cross(c - a).normalize();
+                assert!(normal.dot(a) >= 1.0, "a face cuts into the sphere by {}", 1.0 - normal.dot(a));
+                volume += a.dot(b.cross(c)) / 6.0;
+            }
+            assert!(volume > 4.0 / 3.0 * std::f32::consts::PI && volume < 6.6, "a volume of {volume}");
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! What stochastic light culling by tiles was measured against (Tokuyoshi and Harada 2017, table 2): the same VPLs, ranges and sums, by
+//! rasterized bounds.
+
+use super::stochastic::{Ranges, Roulette, StochasticParams, ranges, statistics};
+use crate::config::GatherConfig;
+use crate::gpu::Format;
+use crate::graph::{DrawList, Graph, Image};
+use crate::scene::shells::{Shell, Shells};
+use crate::shader_struct;
+use crate::stages::gbuffer::GBuffer;
+use crate::stages::vpls::Vpls;
+
+shader_struct! {
+    struct ReorderParams {
+        size: [i32; 2],
+    }
+
+    struct ShellListsParams {
+        count: u32,
+        capacity: u32,
+    }
+}
+
+/// Pixels of a tile's side, and slices of its depth: `glsl/gather/shell-cluster.glsl`.
+const TILE: u32 = 16;
+const SLICES: u32 = 32;
+
+/// Nodes of the light lists: half of the paper's 256 MB, which is as large as every driver lets a buffer be.
+const NODES: u32 = 1 << 24;
+
+/// Bounds of both kinds of VPLs, for a pass that tells them apart by its constant `GLOSSY`.
+fn bounds(g: &mut Graph, shells: &Shells, vpls: &Vpls, shell: Shell, far_sides: bool) -> Vec<DrawList> {
+    let mut lists = Vec::new();
+    if vpls.diffuse {
+        lists.push(shells.list(g, "gather/diffuse-bounds", shell, vpls.count, far_sides, vec![("GLOSSY", 0)]));
+    }
+    if vpls.lobes.is_some() {
+        lists.push(shells.list(g, "gather/glossy-bounds", shell, vpls.count, far_sides, vec![("GLOSSY", 1)]));
+    }
+    lists
+}
+
+/// Every VPL's bounds are drawn, and add its light to the pixels that they cover (Dachsbacher and Stamminger 2006): 80 triangles each.
+pub(super) fn splatting(
+    g: &mut Graph,
+    shells: &Shells,
+    gbuffer: &GBuffer,
+    vpls: &Vpls,
+    roulette: Roulette,
+    config: &GatherConfig,
+) -> Image {
+    let Ranges { spheres, spheroids, chances, lobes } = ranges(g, gbuffer, vpls, roulette, config);
+    let n = config.interleave;
+    let sorted = g.image("gather/sorted", Format::Rgba32Float, gbuffer.size.map(|side| side.div_ceil(n) * n));
+    let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
+    let lists = bounds(g, shells, vpls, Shell::Eighty, true);
+    g.raster("gather/splatting")
+        .reads("view", gbuffer.view)
+        .reads("depth", gbuffer.depth)
+        .reads("normal", gbuffer.normal)
+        .reads("points", vpls.points)
+        .reads("intensities", vpls.intensities)
+        .reads("lobes", lobes)
+        .reads("spheres", spheres)
+        .reads("spheroids", spheroids)
+        .reads("chances", chances)
+        .constant("INTERLEAVE", n)
+        .params(&StochasticParams::of(vpls, config))
+        .color_sum("sum", sorted)
+        .draw(lists);
+    g.compute("gather/reorder")
+        .reads("sorted", sorted)
+        .writes("irradiance", irradiance)
+        .constant("INTERLEAVE", n)
+        .params(&ReorderParams { size: gbuffer.size.map(|side| side as i32) })
+        .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
+    irradiance
+}
+
+/// Light lists of clusters, which the VPLs' bounds are conservatively rasterized into (Oertegren and Persson 2016): 20 triangles each. Counts
+/// `gather/nodes` of the lists and `gather/lost`, those that found no room.
+pub(super) fn conservative_clusters(
+    g: &mut Graph,
+    shells: &Shells,
+    gbuffer: &GBuffer,
+    vpls: &Vpls,
+    roulette: Roulette,
+    config: &GatherConfig,
+) -> Image {
+    let Ranges { spheres, spheroids, chances, lobes } = ranges(g, gbuffer, vpls, roulette, config);
+    let n = config.interleave;
+    let tiles = gbuffer.size.map(|side| side.div_ceil(n).div_ceil(TILE));
+    let in_set = tiles[0] * tiles[1];
+    let touched = g.image("gather/touched", Format::R32Float, tiles.map(|side| side * n));
+    let shells_of = |there: bool| if there { vpls.count * in_set } else { 1 };
+    let diffuse_shells = g.zeroed::<[u32; 2]>("gather/diffuse-shells", shells_of(vpls.diffuse));
+    let glossy_shells = g.zeroed::<[u32; 2]>("gather/glossy-shells", shells_of(vpls.lobes.is_some()));
+    let lists = bounds(g, shells, vpls, Shell::Twenty, false);
+    g.raster("gather/shells")
+        .reads("view", gbuffer.view)
+        .reads("spheres", spheres)
+        .reads("spheroids", spheroids)
+        .updates("diffuse_shells", diffuse_shells)
+        .updates("glossy_shells", glossy_shells)
+        .constant("INTERLEAVE", n)
+        .color("touched", touched, [0.0; 4])
+        .draw(lists);
+    let heads = g.buffer::<[u32; 2]>("gather/heads", n * n * in_set * SLICES);
+    let nodes = g.buffer::<[u32; 2]>("gather/list-nodes", NODES);
+    let (used, lost) = (g.count("gather/nodes"), g.count("gather/lost"));
+    g.compute("gather/shell-lists")
+        .reads("view", gbuffer.view)
+        .reads("diffuse_shells", diffuse_shells)
+        .reads("glossy_shells", glossy_shells)
+        .writes("heads", heads)
+        .writes("nodes", nodes)
+        .updates("used", used)
+        .updates("lost", lost)
+        .constant("INTERLEAVE", n)
+        .constant("DIFFUSE", vpls.diffuse)
+        .constant("LOBES", vpls.lobes.is_some())
+        .params(&ShellListsParams { count: vpls.count, capacity: NODES })
+        .dispatch_groups([tiles[0], tiles[1], n * n]);
+    let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
+    let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.statistics { gbuffer.size } else { [1, 1] });
+    let groups = gbuffer.size.map(|side| side.div_ceil(8 * n) * n);
+    g.compute("gather/conservative-clusters")
+        .reads("view", gbuffer.view)
+        .reads("depth", gbuffer.depth)
+        .reads("normal", gbuffer.normal)
+        .reads("points", vpls.points)
+        .reads("intensities", vpls.intensities)
+        .reads("lobes", lobes)
+        .reads("chances", chances)
+        .reads("heads", heads)
+        .reads("nodes", nodes)
+        .writes("numbers", numbers)
+        .writes("irradiance", irradiance)
+        .constant("INTERLEAVE", n)
+        .constant("STATISTICS", config.statistics)
+        .params(&StochasticParams::of(vpls, config))
+        .dispatch_groups([groups[0], groups[1], 1]);
+    if config.statistics {
+        statistics(g, gbuffer, numbers);
+    }
+    irradiance
+}
