@@ -71,6 +71,6 @@ void main() {
     }
     points.at[index] = point;
     intensities.at[index] = intensity;
-    areas.at[index] = beam;
+    areas.at[index] = any(greaterThan(intensity, vec3(0.0))) ? beam : 0.0;
     if (any(greaterThan(intensity, vec3(0.0)))) atomicAdd(lit.count, 1u);
 }

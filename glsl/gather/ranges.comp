@@ -4,7 +4,7 @@
 // How far each VPL shines in this frame: by a random number each, so that nothing is lost on average (Tokuyoshi and Harada 2017,
 // sections 3 and 4).
 #include "lib/lobe.glsl"
-#include "gather/range.glsl"
+#include "lib/range.glsl"
 #include "lib/packing.glsl"
 #include "lib/random.glsl"
 #include "lib/view.glsl"
@@ -12,6 +12,7 @@
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool LOBES = false;
+layout(constant_id = 2) const bool CLAMPED = false;
 layout(constant_id = 1) const uint BOUNDS = 0u; // of lobes: their spheroid, a sphere around it, or one around the VPL
 
 layout(scalar, push_constant) uniform Params {
@@ -31,16 +32,15 @@ layout(scalar) writeonly buffer Chances { vec2 at[]; } chances; // xi of the dif
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= params.count) return;
-    vec2 xi = (vec2(pcg4d(uvec4(index, 7u, 0u, params.seed)).xy >> 9u) + 0.5) / 8388608.0;
+    // Where nothing is left to chance, what is not certain is lost.
+    vec2 xi = CLAMPED ? vec2(0.999999) : (vec2(pcg4d(uvec4(index, 7u, 0u, params.seed)).xy >> 9u) + 0.5) / 8388608.0;
     chances.at[index] = xi;
 
     VplPoint point = points.at[index];
     mat3 to_view = transpose(mat3(normalize(view.it.right), normalize(view.it.up), view.it.forward));
     vec3 q = to_view * (point.position - view.it.position);
     vec3 facing = to_view * octahedral_snorm16_inverse(point.normal);
-    // The isosurface of I cos(theta) / l^2 = delta xi: l = R sqrt(cos(theta)).
-    float r = sqrt(largest(intensities.at[index]) / (params.delta * xi.x));
-    spheres.at[index] = vec4(q + pow(1.0 / 3.0, 0.75) * r * facing, pow(4.0 / 27.0, 0.25) * r);
+    spheres.at[index] = diffuse_bounds(q, facing, intensities.at[index], params.delta * xi.x);
 
     if (LOBES) {
         Lobe lobe = lobes.at[index];
@@ -54,7 +54,7 @@ void main() {
             vec3 centre = q + (1.0 - alpha * alpha) / (2.0 * alpha) * radius * mirrored;
             if (BOUNDS == 1u) bound = spheroid(mat3(1.0 / ru), centre);
             else if (BOUNDS == 2u) bound = spheroid(mat3(alpha / radius), q);
-            else bound = spheroid(stretch(mirrored, ru, radius), centre);
+            else bound = lobe_bounds(q, n, wi, lobe.flux, lobe.f0, lobe.f90, lobe.alpha, params.delta * xi.y);
         }
         spheroids.at[index] = bound;
     }

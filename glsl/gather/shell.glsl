@@ -1,6 +1,6 @@
 // The bounding geometry of VPLs' ranges, drawn for pixels that are sorted by their sample sets: n x n pictures, each of every n-th pixel, side by
 // side (Tokuyoshi and Harada 2017, figure 8).
-#include "gather/range.glsl"
+#include "lib/range.glsl"
 #include "lib/view.glsl"
 
 layout(constant_id = 0) const uint INTERLEAVE = 1;

@@ -3,7 +3,7 @@
 // set, halved at the middle of its depth (Stewart 2015). The lists are bits in shared memory, in the VPLs' order. Whoever includes
 // it defines `seen`, as for gather/per-pixel.glsl.
 #include "gather/stochastic.glsl"
-#include "gather/range.glsl"
+#include "lib/range.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in; // of 2 x 2 pixels of the set each
 layout(constant_id = 3) const bool DIFFUSE = true;

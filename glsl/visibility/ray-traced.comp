@@ -18,7 +18,7 @@ layout(scalar) uniform ViewBlock { View it; } view;
 uniform sampler2D depth;
 uniform sampler2D normal;
 layout(scalar) readonly buffer Points { VplPoint at[]; } points;
-layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
+layout(scalar) readonly buffer Areas { float at[]; } areas; // 0 of VPLs that are dark
 layout(r32ui) writeonly uniform uimage2DArray visible;
 
 // Off a surface whose place comes from a depth map. Rasterizers move corners by up to a 256th of a pixel, and the map's surfaces
@@ -43,7 +43,7 @@ void main() {
             vec3 facing = octahedral_snorm16_inverse(vpl.normal);
             vec3 way = vpl.position - x;
             // Only where some light would arrive.
-            if (dot(n, way) > 0.0 && dot(facing, way) < 0.0 && any(greaterThan(intensities.at[index], vec3(0.0)))) {
+            if (dot(n, way) > 0.0 && dot(facing, way) < 0.0 && areas.at[index] > 0.0) {
                 bits |= is_occluded(make_ray(from, lifted(vpl.position, facing, 2e-5 * view.it.diagonal) - from), 1.0) ? 0u : 1u << i;
             }
         }

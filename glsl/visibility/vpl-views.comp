@@ -13,7 +13,7 @@ layout(scalar, push_constant) uniform Params {
 } params;
 
 layout(scalar) readonly buffer Vpls { VplPoint at[]; } vpls;
-layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
+layout(scalar) readonly buffer Areas { float at[]; } areas; // 0 of VPLs that are dark
 layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
 layout(scalar) writeonly buffer Views { float at[]; } views; // solid angles, 0 for VPLs without light
 
@@ -23,7 +23,7 @@ void main() {
     uint vpl = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
     vec3 position = vpls.at[vpl].position;
     vec3 normal = octahedral_snorm16_inverse(vpls.at[vpl].normal);
-    bool dark = all(equal(intensities.at[vpl], vec3(0.0)));
+    bool dark = areas.at[vpl] == 0.0;
     float sum = 0.0;
     for (uint i = lane; i < params.clusters && !dark; i += 64u) sum += cluster_view(clusters.at[i], position, normal);
     totals[lane] = sum;

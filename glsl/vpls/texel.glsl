@@ -60,6 +60,7 @@ void put(uint index, ivec3 at, float texels) {
                         octahedral_snorm16(incoming), shape.z, specular.a);
         }
     }
+    if (all(equal(intensity, vec3(0.0))) && all(equal(lobe.flux, vec3(0.0)))) area = 0.0;
     if (LOBES) lobes.at[index] = lobe;
     points.at[index] = point;
     intensities.at[index] = intensity;

@@ -297,7 +297,11 @@ fn list() -> Vec<KeyInfo> {
         ),
         key("gather.bounds", Choice(choices::<Bounds>()), "What stochastic culling bounds a glossy light's range by"),
         key("gather.delta", above(0.0, 1e6), "Irradiance facing a light, W/m^2, below which stochastic culling leaves it to chance"),
-        key("gather.roulette", Choice(choices::<RouletteChoice>()), "The random numbers for that: the same in every frame, or new ones"),
+        key(
+            "gather.roulette",
+            Choice(choices::<RouletteChoice>()),
+            "The random numbers for that: the same in every frame, new ones, or none: then that light is lost",
+        ),
         key(
             "gather.statistics",
             Flag,

@@ -448,6 +448,8 @@ pub enum RouletteChoice {
     #[default]
     Fixed,
     PerFrame,
+    /// None: what would be left to chance is lost, as where ranges are clamped. Too dark, and there to be compared with.
+    None,
 }
 
 /// What virtual point lights shine as on what is near them.

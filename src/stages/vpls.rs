@@ -44,7 +44,7 @@ pub struct Vpls {
     pub points: Buffer,
     /// Radiant intensity along the normal, W/sr, RGB.
     pub intensities: Buffer,
-    /// Of the beam that each stands for, across it, m^2: how large a disk it shines as ([`Emitters::Disks`](crate::config::Emitters)).
+    /// Of the beam that each stands for, across it, m^2; 0 of those that reflect nothing. How large a disk it shines as ([`Emitters::Disks`](crate::config::Emitters)).
     pub areas: Buffer,
     /// Glossy VPLs at the same places, [`Lobe`]s; there where they are wanted.
     pub lobes: Option<Buffer>,

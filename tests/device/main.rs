@@ -21,3 +21,4 @@ mod reference;
 mod repeat;
 mod sampling;
 mod ssao;
+mod stochastic;

@@ -9,7 +9,7 @@ use crate::stages::gbuffer::GBuffer;
 use crate::stages::vpls::{Lobe, Vpls};
 
 shader_struct! {
-    /// `glsl/gather/range.glsl`.
+    /// `glsl/lib/range.glsl`.
     pub struct Spheroid {
         pub row0: [f32; 3],
         pub depth: f32,
@@ -47,7 +47,7 @@ pub struct Roulette(u32);
 impl Roulette {
     pub fn of(config: &Config, frame: u32) -> Self {
         Self(match config.gather.roulette {
-            RouletteChoice::Fixed => config.frame.seed,
+            RouletteChoice::Fixed | RouletteChoice::None => config.frame.seed,
             // Far from those of other seeds.
             RouletteChoice::PerFrame => config.frame.seed.wrapping_add(0x9e37_79b9_u32.wrapping_mul(frame + 1)),
         })
@@ -86,6 +86,7 @@ pub(super) fn ranges(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, Roulette(see
         .writes("spheroids", ranges.spheroids)
         .writes("chances", ranges.chances)
         .constant("LOBES", vpls.lobes.is_some())
+        .constant("CLAMPED", config.roulette == RouletteChoice::None)
         .constant(
             "BOUNDS",
             match config.bounds {

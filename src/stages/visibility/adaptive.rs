@@ -96,7 +96,7 @@ pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point
     };
     g.compute("visibility/vpl-views")
         .reads("vpls", vpls.points)
-        .reads("intensities", vpls.intensities)
+        .reads("areas", vpls.areas)
         .reads("clusters", cluster_table)
         .writes("views", views)
         .params(&ViewsParams { clusters })

@@ -29,7 +29,7 @@ pub(super) fn render(g: &mut Graph, traced: &TracedHandles, gbuffer: &GBuffer, v
         .reads("depth", gbuffer.depth)
         .reads("normal", gbuffer.normal)
         .reads("points", vpls.points)
-        .reads("intensities", vpls.intensities)
+        .reads("areas", vpls.areas)
         .writes("visible", visible)
         .constant("INTERLEAVE", interleave)
         .params(&RayTracedParams { count: vpls.count })

@@ -41,4 +41,17 @@ float squared_lobe_radius(vec3 flux, vec3 f0, float f90, float alpha, float ni, 
     float g1 = 2.0 * ni / (ni + sqrt((1.0 - alpha * alpha) * ni * ni + alpha * alpha));
     return largest(flux * lobe_fresnel(f0, f90, farthest)) * g1 / (4.0 * PI * delta_xi * ni);
 }
+
+// Of a lobe at q: where its irradiance on a surface that faces it is over delta xi (equations 12 to 17).
+Spheroid lobe_bounds(vec3 q, vec3 n, vec3 wi, vec3 flux, vec3 f0, float f90, float alpha, float delta_xi) {
+    float ni = dot(n, wi), r = sqrt(squared_lobe_radius(flux, f0, f90, alpha, ni, delta_xi)), ru = (1.0 + alpha * alpha) / (2.0 * alpha) * r;
+    vec3 mirrored = 2.0 * ni * n - wi;
+    return spheroid(stretch(mirrored, ru, r), q + (1.0 - alpha * alpha) / (2.0 * alpha) * r * mirrored);
+}
+
+// And of a diffuse VPL: a sphere, centre and radius. Its isosurface is at R sqrt(cos(theta)); the paper's centre, at (1/3)^(1/4) R, leaves some of that out.
+vec4 diffuse_bounds(vec3 q, vec3 n, vec3 intensity, float delta_xi) {
+    float r = sqrt(largest(intensity) / delta_xi);
+    return vec4(q + pow(1.0 / 3.0, 0.75) * r * n, pow(4.0 / 27.0, 0.25) * r);
+}
 #endif

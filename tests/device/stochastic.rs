@@ -1,0 +1,219 @@
+//! Stochastic light culling: glossy VPLs, ranges by chance, and the ways to cull by them.
+
+use crate::common::*;
+use glam::{DVec3, Vec3};
+use manylight::config::{Bounds, Builtin, Config, Culling, Reflection, RouletteChoice, SceneConfig, VisibilityMethod, VplSampler};
+use manylight::graph::Execution;
+use manylight::reference::Layer;
+use manylight::renderer::{Rendered, Renderer, load_scene};
+use manylight::scene::{Material, Scene};
+
+/// Metal things on a floor, every texel of a small map two VPLs.
+fn metal(roughness: f32) -> (Scene, Config) {
+    let scene = SceneConfig { builtin: Some(Builtin::Caustics), triangles: 8_190, roughness, ..SceneConfig::default() };
+    let mut config = Config { scene, ..Config::default() };
+    config.frame.size = [240, 136];
+    config.rsm.size = [64, 64];
+    stochastic(&mut config);
+    (load_scene(&config.scene).unwrap().0, config)
+}
+
+fn stochastic(config: &mut Config) {
+    config.vpls.sampler = VplSampler::EveryTexel;
+    config.vpls.reflection = Reflection::Both;
+    config.gather.interleave = 4;
+    config.gather.culling = Culling::StochasticTiled;
+    config.gather.delta = 0.01;
+    config.gather.min_distance = 0.05;
+    config.filter.kind = manylight::config::FilterKind::None;
+}
+
+fn render(renderer: &mut Renderer, config: &Config) -> Rendered {
+    renderer.check(config).unwrap_or_else(|error| panic!("{error:#}"));
+    renderer.render(config, 0, true, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+fn irradiance(renderer: &mut Renderer, config: &Config) -> Vec<Vec3> {
+    render(renderer, config).picture.unwrap().irradiance.rgb().collect()
+}
+
+fn count(rendered: &Rendered, name: &str) -> u64 {
+    rendered.counts.iter().find(|(known, _)| known == name).map(|(_, count)| *count).unwrap_or_else(|| panic!("nothing counts {name}"))
+}
+
+/// Pixels that differ by more than sums in other orders and halves do.
+fn apart(a: &[Vec3], b: &[Vec3]) -> usize {
+    a.iter().zip(b).filter(|(a, b)| (**a - **b).abs().max_element() > 2e-3 * a.max_element().max(b.max_element()) + 1e-5).count()
+}
+
+#[test]
+fn culling_loses_nothing_whatever_bounds_it_by_and_whoever_culls() {
+    for roughness in [0.02, 0.3] {
+        let (scene, mut config) = metal(roughness);
+        let mut renderer = renderer(scene);
+        config.gather.bounds = Bounds::None;
+        let every = irradiance(&mut renderer, &config);
+        assert!(every.iter().filter(|e| e.max_element() > 0.0).count() > every.len() / 2);
+        for bounds in [Bounds::Ellipsoid, Bounds::SphereEllipsoid, Bounds::SphereVpl] {
+            config.gather.bounds = bounds;
+            assert!(irradiance(&mut renderer, &config) == every, "{bounds:?} bounds lose light at roughness {roughness}");
+        }
+        config.gather.bounds = Bounds::Ellipsoid;
+        for culling in [Culling::Splatting, Culling::ConservativeClusters] {
+            config.gather.culling = culling;
+            let rendered = render(&mut renderer, &config);
+            let found: Vec<Vec3> = rendered.picture.as_ref().unwrap().irradiance.rgb().collect();
+            let pixels = apart(&found, &every);
+            assert!(pixels == 0, "{culling:?} differs in {pixels} pixels at roughness {roughness}");
+            if culling == Culling::ConservativeClusters {
+                assert!(count(&rendered, "gather/lost") == 0 && count(&rendered, "gather/nodes") > 10_000);
+            }
+        }
+        finish(renderer.gpu());
+    }
+}
+
+#[test]
+fn the_preset_culls_as_much_as_it_says_and_repeats_its_bytes() {
+    let (scene, mut config) = metal(0.1);
+    config.gather.statistics = true;
+    config.vpls.reflection = Reflection::Glossy;
+    let mut renderer = renderer(scene);
+    let rendered = render(&mut renderer, &config);
+    let again = render(&mut renderer, &config);
+    assert!(rendered.picture.unwrap().irradiance.values == again.picture.as_ref().unwrap().irradiance.values);
+    config.gather.bounds = Bounds::None;
+    let every = render(&mut renderer, &config);
+    assert_eq!(count(&again, "gather/glossy-lit"), count(&every, "gather/glossy-lit"));
+    assert!(count(&again, "gather/glossy-listed") < count(&every, "gather/glossy-listed"));
+    assert_eq!(count(&again, "gather/diffuse-listed"), 0);
+    config.gather.bounds = Bounds::Ellipsoid;
+    config.gather.culling = Culling::ConservativeClusters;
+    assert_eq!(count(&render(&mut renderer, &config), "gather/glossy-lit"), count(&every, "gather/glossy-lit"));
+    finish(renderer.gpu());
+}
+
+#[test]
+fn ellipsoids_list_a_tenth_of_the_wrong_vpls_of_spheres_around_them() {
+    for roughness in [0.02, 0.05, 0.1] {
+        let (scene, mut config) = metal(roughness);
+        config.gather.statistics = true;
+        // A tile is as large a part of the picture as the preset's at 1920 x 1080, and a pixel has as many VPLs, of four times the flux.
+        config.frame.size = [960, 540];
+        config.rsm.size = [128, 128];
+        config.gather.delta = 0.004;
+        config.vpls.reflection = Reflection::Glossy;
+        let mut renderer = renderer(scene);
+        let mut wrong = |bounds| {
+            config.gather.bounds = bounds;
+            let rendered = render(&mut renderer, &config);
+            let listed = count(&rendered, "gather/glossy-listed");
+            (listed - count(&rendered, "gather/glossy-lit"), listed, count(&rendered, "gather/pixels"))
+        };
+        let (ellipsoid, listed, pixels) = wrong(Bounds::Ellipsoid);
+        let (around, ..) = wrong(Bounds::SphereEllipsoid);
+        let (sphere, all, _) = wrong(Bounds::SphereVpl);
+        println!(
+            "roughness {roughness}: {:.1} VPLs a pixel on lists by ellipsoids, of which {:.0} % wrong; {:.1} by spheres; wrong ones are {:.3} of those, {:.3} of spheres around ellipsoids",
+            listed as f64 / pixels as f64,
+            100.0 * ellipsoid as f64 / listed as f64,
+            all as f64 / pixels as f64,
+            ellipsoid as f64 / sphere as f64,
+            ellipsoid as f64 / around as f64
+        );
+        assert!(ellipsoid as f64 <= 0.1 * sphere as f64, "{ellipsoid} of {sphere} wrong ones are left at roughness {roughness}");
+        finish(renderer.gpu());
+    }
+}
+
+#[test]
+fn chance_takes_no_light_away_on_average_and_clamped_ranges_do() {
+    let (scene, mut config) = metal(0.1);
+    config.frame.size = [64, 36];
+    config.rsm.size = [32, 32];
+    config.gather.interleave = 1;
+    config.gather.delta = 0.02;
+    let mut renderer = renderer(scene);
+    const REALISATIONS: u32 = 256;
+    let mut sums = vec![[DVec3::ZERO; 2]; 64 * 36];
+    for seed in 0..REALISATIONS {
+        config.frame.seed = seed;
+        for (sum, e) in sums.iter_mut().zip(irradiance(&mut renderer, &config)) {
+            let e = e.as_dvec3();
+            *sum = [sum[0] + e, sum[1] + e * e];
+        }
+    }
+    config.gather.roulette = RouletteChoice::None;
+    let clamped = irradiance(&mut renderer, &config);
+    config.gather.delta = 1e-6;
+    let full = irradiance(&mut renderer, &config);
+    let n = f64::from(REALISATIONS);
+    let (mut inside, mut all, mut variances, mut squares) = (0, 0, 0.0, 0.0);
+    for ([sum, squared], full) in sums.iter().zip(&full) {
+        let full = full.as_dvec3();
+        if full.max_element() <= 0.0 {
+            continue;
+        }
+        let mean = *sum / n;
+        let variance = (*squared / n - mean * mean).max(DVec3::ZERO) * (n / (n - 1.0));
+        // Halves hold eleven bits.
+        let allowed = 3.0 * (variance / n).map(f64::sqrt) + full * 2f64.powi(-11);
+        all += 3;
+        inside += ((mean - full).abs().cmple(allowed)).bitmask().count_ones();
+        variances += variance.element_sum();
+        squares += (full * full).element_sum();
+    }
+    let total = |values: &[Vec3]| values.iter().map(|v| v.as_dvec3().element_sum()).sum::<f64>();
+    let means: f64 = sums.iter().map(|[sum, _]| sum.element_sum() / n).sum();
+    println!(
+        "{inside} of {all} means of {REALISATIONS} lie within three standard errors of the full sum; relative variance {:.2e}; energy {:.4}, clamped {:.4}",
+        variances / squares,
+        means / total(&full),
+        total(&clamped) / total(&full)
+    );
+    assert!(f64::from(inside) >= 0.997 * f64::from(all), "{inside} of {all} within three standard errors");
+    assert!((means / total(&full) - 1.0).abs() < 0.01);
+    assert!(total(&clamped) < 0.9 * total(&full), "clamped ranges keep {} of the light", total(&clamped) / total(&full));
+    finish(renderer.gpu());
+}
+
+#[test]
+fn a_wall_of_rough_metal_lights_a_box_as_the_path_tracer_says() {
+    const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
+    let mut scene = room(&walls(SIZE, [DVec3::ZERO; 6]));
+    // Metal throws the light of the lamp at the other walls, which are black to all but the eye: their irradiance is compared.
+    let wall = scene.draws[4].material as usize;
+    scene.materials[wall] =
+        Material { base_color: [0.9, 0.7, 0.4, 1.0], metallic: 1.0, roughness: 0.3f32.sqrt(), ..scene.materials[wall].clone() };
+    for i in [0, 1, 2, 3, 5] {
+        let material = scene.draws[i].material as usize;
+        scene.materials[material].base_color = [0.5, 0.5, 0.5, 1.0];
+    }
+    let lamp = spot(Vec3::new(2.4, 2.0, 3.6), Vec3::new(-0.25, -0.3, -1.0), [30.0, 25.0, 20.0], 20.0, 30.0);
+    let mut config = plain([64, 64], Vec3::new(3.6, 1.7, 4.6), Vec3::new(1.0, 0.4, 2.5), 95.0, lamp);
+    config.rsm.size = [128, 128];
+    stochastic(&mut config);
+    config.gather.interleave = 1;
+    config.gather.min_distance = 0.0;
+    config.gather.delta = 1e-6;
+    config.visibility.method = VisibilityMethod::RayTraced;
+    let mut renderer = traced(scene);
+    let sums = reference(&mut renderer, &config, centered(1), 512);
+    let expected = sums.mean(Layer::Bounce(1));
+    let picture = picture(&mut renderer, &config);
+    let found: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| picture.indirect.at(i)).collect();
+    let positions = picture.positions();
+    // Matte receivers away from edges, where the light of single texels is a spot.
+    let matte = |i: usize| {
+        let x = positions[i].as_dvec3();
+        x.z > 0.3 && [x, SIZE - x].iter().flat_map(|d| d.to_array()).filter(|d| *d < 0.3).count() <= 1
+    };
+    let ratio = mean(&found, matte) / mean(&expected, matte);
+    config.vpls.reflection = Reflection::Diffuse;
+    let diffuse = crate::common::picture(&mut renderer, &config);
+    let diffuse: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| diffuse.indirect.at(i)).collect();
+    println!("{ratio:.4} of the path tracer's; {:.4} without the metal", mean(&diffuse, matte) / mean(&expected, matte));
+    assert!((ratio - 1.0).abs() < 0.03, "{ratio} of the path tracer's");
+    assert!(mean(&diffuse, matte) < 0.8 * mean(&expected, matte), "the metal is too little to tell");
+    finish(renderer.gpu());
+}
