@@ -58,10 +58,10 @@ pub fn frame(
     };
     let lights = visibility::render(g, around, &bounces, config);
     let roulette = Roulette::of(config, index);
-    let indirect = gather::indirect(g, &scene.shells, &gbuffer, &lights, roulette, &config.gather);
-    let irradiance = filter::smooth(g, &gbuffer, indirect, config.gather.interleave, &config.filter);
+    let indirect = gather::indirect(g, &scene.shells, &gbuffer, &lights, roulette, config.materials.dielectric, &config.gather);
+    let indirect = filter::smooth(g, &gbuffer, indirect, config.gather.interleave, &config.filter);
     let visible = ssao::occlusion(g, &gbuffer, &config.ssao);
     let direct = direct::shade(g, scene, traced.as_ref(), &gbuffer, &rsm, config.materials.dielectric, &config.direct);
-    let composed = compose::sum(g, &gbuffer, direct, irradiance, visible, lighting.environment, &config.compose);
-    Frame { gbuffer, irradiance, direct, composed }
+    let composed = compose::sum(g, &gbuffer, direct, indirect, visible, lighting.environment, &config.compose);
+    Frame { gbuffer, irradiance: indirect.irradiance, direct, composed }
 }

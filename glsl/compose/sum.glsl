@@ -7,6 +7,7 @@
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool REINHARD = true;
+layout(constant_id = 1) const bool REFLECTION = false; // whether surfaces reflect indirect light by their gloss
 
 layout(scalar, push_constant) uniform Params {
     vec3 environment; // radiance where there is no surface
@@ -21,6 +22,7 @@ uniform sampler2D metallic_roughness;
 layout(rgba16f) readonly uniform image2D emission;
 layout(rgba16f) readonly uniform image2D direct;
 layout(rgba16f) readonly uniform image2D irradiance;
+layout(rgba16f) readonly uniform image2D reflection;
 layout(rgba16f) writeonly uniform image2D indirect;
 layout(rgba16f) writeonly uniform image2D radiance;
 layout(rgba8) writeonly uniform image2D image;
@@ -35,6 +37,7 @@ void main() {
     bool surface = texelFetch(depth, pixel, 0).r > 0.0;
     float diffuse = 1.0 - texelFetch(metallic_roughness, pixel, 0).r;
     vec3 reflected = indirect_share(pixel) * imageLoad(irradiance, pixel).rgb * imageLoad(albedo, pixel).rgb * (diffuse / PI);
+    if (REFLECTION) reflected += indirect_share(pixel) * imageLoad(reflection, pixel).rgb;
     vec3 sum = surface ? reflected + imageLoad(direct, pixel).rgb + imageLoad(emission, pixel).rgb : params.environment;
     vec3 shown = min(sum, LARGEST_HALF) * params.exposure + (surface ? vec3(0.0) : params.background);
     if (REINHARD) shown = reinhard(shown);

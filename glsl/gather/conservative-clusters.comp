@@ -16,6 +16,8 @@ layout(rgba16f) writeonly uniform image2D irradiance;
 
 const uint END = 0xffffffffu;
 
+void reflect_from(inout Receiver r, vec3 light, vec3 to_light) {}
+
 void main() {
     // Neighbouring workgroups take the sample sets of the same block of pixels.
     uvec2 set = gl_WorkGroupID.xy % INTERLEAVE, place = gl_WorkGroupID.xy / INTERLEAVE * 8u + gl_LocalInvocationID.xy;

@@ -10,17 +10,42 @@ layout(constant_id = 3) const bool DIFFUSE = true;
 layout(constant_id = 4) const bool LOBES = false;
 layout(constant_id = 5) const bool CULL = true;
 layout(constant_id = 6) const bool STATISTICS = false;
+layout(constant_id = 7) const bool GLOSSY_RECEIVER = false;
+layout(constant_id = 8) const bool GLOSSY_DIELECTRIC = false;
 
 layout(scalar) readonly buffer Spheres { vec4 at[]; } spheres;
 layout(scalar) readonly buffer Spheroids { Spheroid at[]; } spheroids;
 layout(rgba32f) writeonly uniform image2D numbers; // VPLs on the pixel's list and VPLs that count; of diffuse ones, then of lobes
 layout(rgba16f) writeonly uniform image2D irradiance;
+uniform sampler2D albedo;
+uniform sampler2D metallic_roughness;
+layout(rgba16f) writeonly uniform image2D reflection; // radiance that the pixels' own gloss reflects to the eye
 
 const uint TILE = 16u;
 const uint WORDS = 32u; // of a list: 1024 VPLs at a time
 const uint INVOCATIONS = 64u;
 
 uvec4 seen(ivec2 pixel, uint index);
+
+// The surface is looked up anew for each light, since most are never reflected so.
+void reflect_from(inout Receiver r, vec3 light, vec3 to_light) {
+    if (GLOSSY_RECEIVER) {
+        vec3 base = texelFetch(albedo, r.pixel, 0).rgb;
+        vec2 mr = texelFetch(metallic_roughness, r.pixel, 0).rg;
+        vec3 f0 = mr.x * base;
+        float f90 = mr.x;
+        if (GLOSSY_DIELECTRIC) {
+            f0 += (1.0 - mr.x) * 0.04;
+            f90 = 1.0;
+        }
+        if (f90 > 0.0) {
+            vec3 v = normalize(view.it.position - r.position), h = normalize(to_light + v);
+            float nv = max(dot(r.normal, v), 1e-4);
+            r.reflected += light * lobe_fresnel(f0, f90, dot(v, h)) *
+                           ggx(max(mr.y * mr.y, 1e-3), max(dot(r.normal, h), 0.0), max(dot(r.normal, to_light), 0.0), nv);
+        }
+    }
+}
 
 shared uint near_low;  // bits of distances, which are in their order
 shared uint near_high; // of the nearer half
@@ -67,6 +92,7 @@ bool meets_spheroid(Part part, Spheroid it) {
 void store(Receiver r) {
     if (any(greaterThanEqual(uvec2(r.pixel), uvec2(view.it.width, view.it.height)))) return;
     imageStore(irradiance, r.pixel, vec4(min(r.sum * float(INTERLEAVE * INTERLEAVE), LARGEST_HALF), 1.0));
+    if (GLOSSY_RECEIVER) imageStore(reflection, r.pixel, vec4(min(r.reflected * float(INTERLEAVE * INTERLEAVE), LARGEST_HALF), 1.0));
     if (STATISTICS) imageStore(numbers, r.pixel, vec4(r.numbers));
 }
 

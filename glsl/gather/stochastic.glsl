@@ -1,5 +1,7 @@
 // A VPL's light at a pixel, by chance (Tokuyoshi and Harada 2017, section 3): what tiles, splats and clusters of stochastic light culling
-// share. Whoever includes it defines Shadow and what gather/per-pixel.glsl asks for of it.
+// share. Whoever includes it defines Shadow and what gather/per-pixel.glsl asks for of it, and
+//     void reflect_from(inout Receiver r, vec3 light, vec3 to_light);
+// what a receiver's own gloss makes of irradiance that comes from a direction.
 #include "lib/lobe.glsl"
 #include "lib/color.glsl"
 #include "lib/packing.glsl"
@@ -30,13 +32,14 @@ struct Receiver {
     vec3 position;
     vec3 normal;
     vec3 sum;
+    vec3 reflected; // radiance to the eye, beside what the diffuse part makes of the sum
     float distance; // along the view's axis; 0 where there is no surface
     bool far;       // in the farther half
     uvec4 numbers;  // for the statistics
 };
 
 Receiver receiver(ivec2 pixel) {
-    Receiver r = Receiver(pixel, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, false, uvec4(0u));
+    Receiver r = Receiver(pixel, vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, false, uvec4(0u));
     if (all(lessThan(uvec2(pixel), uvec2(view.it.width, view.it.height)))) {
         float z = texelFetch(depth, pixel, 0).r;
         if (z > 0.0) {
@@ -48,6 +51,8 @@ Receiver receiver(ivec2 pixel) {
     return r;
 }
 
+void reflect_from(inout Receiver r, vec3 light, vec3 to_light);
+
 // Equations 2 and 3: what a VPL adds, from its irradiance on a surface that faces it.
 vec3 by_chance(vec3 facing_irradiance, float xi, inout uint number) {
     float most = largest(facing_irradiance);
@@ -56,12 +61,19 @@ vec3 by_chance(vec3 facing_irradiance, float xi, inout uint number) {
     return facing_irradiance * max(params.delta / most, 1.0);
 }
 
+void add(inout Receiver r, vec3 arrives, vec3 way, float squared, float inverse, float from, float to, Shadow shadow, float visible) {
+    if (largest(arrives) <= 0.0 || to <= 0.0) return;
+    vec3 light = arrives * (to * inverse * visible * lit(shadow, r.normal, way, squared, from, to));
+    r.sum += light;
+    reflect_from(r, light, way * inverse);
+}
+
 void shade_diffuse(inout Receiver r, vec3 position, vec3 facing, vec3 intensity, float xi, Shadow shadow, float visible) {
     vec3 way = position - r.position;
     float squared = dot(way, way), inverse = inversesqrt(max(squared, 1e-20));
     float from = max(-dot(facing, way), 0.0), to = max(dot(r.normal, way), 0.0);
     vec3 arrives = by_chance(intensity * (from * inverse / max(max(squared, params.squared_min_distance), 1e-20)), xi, r.numbers.y);
-    if (largest(arrives) > 0.0 && to > 0.0) r.sum += arrives * (to * inverse * visible * lit(shadow, r.normal, way, squared, from, to));
+    add(r, arrives, way, squared, inverse, from, to, shadow, visible);
 }
 
 void shade_lobe(inout Receiver r, vec3 position, vec3 facing, Lobe lobe, vec3 n, vec3 wi, float xi, Shadow shadow, float visible) {
@@ -71,7 +83,7 @@ void shade_lobe(inout Receiver r, vec3 position, vec3 facing, Lobe lobe, vec3 n,
     if (from <= 0.0) return;
     vec3 intensity = lobe_intensity(lobe.flux, lobe.f0, lobe.f90, lobe.alpha, n, wi, way * -inverse);
     vec3 arrives = by_chance(intensity / max(max(squared, params.squared_min_distance), 1e-20), xi, r.numbers.w);
-    if (largest(arrives) > 0.0 && to > 0.0) r.sum += arrives * (to * inverse * visible * lit(shadow, r.normal, way, squared, from, to));
+    add(r, arrives, way, squared, inverse, from, to, shadow, visible);
 }
 
 // VPL number `index` as a diffuse one, ready to shine.

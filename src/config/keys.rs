@@ -3,8 +3,8 @@
 
 use super::{
     BounceVisibility, Bounds, Builtin, Centers, Collect, Config, Culling, Dielectric, Emitters, FilterKind, GatherMethod, Interpolation,
-    IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Reflection, Representative, RouletteChoice, Shadows, Shares, SsaoMethod,
-    SsaoResolution, TimingMode, Tonemap, VisibilityMethod, VplSampler,
+    IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Receiver, Reflection, Representative, RouletteChoice, Shadows, Shares,
+    SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityMethod, VplSampler,
 };
 use serde::Deserialize;
 use serde::de::{self, Visitor};
@@ -306,6 +306,11 @@ fn list() -> Vec<KeyInfo> {
             "gather.statistics",
             Flag,
             "Counts the lights that stochastic culling lists and lights a pixel: `--dump gather/stochastic-tiled`",
+        ),
+        key(
+            "gather.receiver",
+            Choice(choices::<Receiver>()),
+            "What the camera sees reflects indirect light by its diffuse part, or by GGX too: with `\"stochastic-tiled\"`",
         ),
         key("gather.emitters", Choice(choices::<Emitters>()), "What virtual point lights shine as on what is near them"),
         key("gather.min_distance", from(0.0, 1e6), "Below this distance a light gets no brighter, metres; 0 turns it off"),

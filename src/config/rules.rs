@@ -4,8 +4,8 @@ use super::VisibilityMethod;
 use super::check::error;
 use super::tree::{Node, Origin, Table, Value};
 use super::{
-    Bounds, Builtin, CameraConfig, Collect, Config, Culling, Emitters, IsmRenderer, LightConfig, LightKeyframe, PointSet, Reflection,
-    VisibilityConfig,
+    Bounds, Builtin, CameraConfig, Collect, Config, Culling, Emitters, IsmRenderer, LightConfig, LightKeyframe, PointSet, Receiver,
+    Reflection, VisibilityConfig,
 };
 use anyhow::Result;
 use glam::DVec3;
@@ -82,6 +82,10 @@ pub fn values(config: &Config, root: &Node) -> Result<()> {
             let message = "\"none\" leaves nothing to draw; take another, or gather.culling = \"stochastic-tiled\"";
             return fail("gather.bounds".to_owned(), message.to_owned());
         }
+    }
+    if config.gather.receiver == Receiver::Ggx && config.gather.culling != Culling::StochasticTiled {
+        let message = "receivers are glossy with stochastic tiles alone; take gather.culling = \"stochastic-tiled\"";
+        return fail("gather.receiver".to_owned(), message.to_owned());
     }
     if config.gather.culling.is_stochastic() && config.gather.emitters == Emitters::Disks {
         let message = "stochastic culling bounds the range of points, not of disks; take emitters = \"points\"";

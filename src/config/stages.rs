@@ -367,6 +367,7 @@ pub struct GatherConfig {
     pub roulette: RouletteChoice,
     /// Counts lights a pixel, on lists and lit, for stochastic culling.
     pub statistics: bool,
+    pub receiver: Receiver,
     pub emitters: Emitters,
     /// The distance d_min, in metres, below which a light does not get brighter; 0 turns it off. At most 1,000,000.
     pub min_distance: f32,
@@ -382,6 +383,7 @@ impl Default for GatherConfig {
             delta: 0.001,
             roulette: RouletteChoice::Fixed,
             statistics: false,
+            receiver: Receiver::Diffuse,
             emitters: Emitters::Points,
             min_distance: 0.3,
         }
@@ -450,6 +452,17 @@ pub enum RouletteChoice {
     PerFrame,
     /// None: what would be left to chance is lost, as where ranges are clamped. Too dark, and there to be compared with.
     None,
+}
+
+/// How surfaces that the camera sees reflect indirect light.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Receiver {
+    /// By their diffuse part alone.
+    #[default]
+    Diffuse,
+    /// By GGX too.
+    Ggx,
 }
 
 /// What virtual point lights shine as on what is near them.

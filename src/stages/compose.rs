@@ -1,5 +1,6 @@
 //! The final picture: all light of a pixel, exposed and tone-mapped.
 
+use super::gather::Indirect;
 use super::gbuffer::GBuffer;
 use crate::config::{ComposeConfig, Tonemap};
 use crate::gpu::Format;
@@ -31,7 +32,7 @@ pub fn sum(
     g: &mut Graph,
     gbuffer: &GBuffer,
     direct: Image,
-    irradiance: Image,
+    light: Indirect,
     visible: Option<Image>,
     environment: Vec3,
     config: &ComposeConfig,
@@ -51,10 +52,13 @@ pub fn sum(
         .reads("metallic_roughness", gbuffer.metallic_roughness)
         .reads("emission", gbuffer.emission)
         .reads("direct", direct)
-        .reads("irradiance", irradiance)
+        .reads("irradiance", light.irradiance)
+        // Bound and not used where there is none.
+        .reads("reflection", light.reflection.unwrap_or(direct))
         .writes("indirect", composed.indirect)
         .writes("radiance", composed.radiance)
         .writes("image", composed.image)
+        .constant("REFLECTION", light.reflection.is_some())
         .constant("REINHARD", config.tonemap == Tonemap::Reinhard)
         .params(&SumParams { environment: environment.into(), exposure: config.exposure, background: config.background })
         .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);

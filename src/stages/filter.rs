@@ -1,5 +1,6 @@
 //! Smooths what interleaving and sampling leave noisy, without crossing edges.
 
+use super::gather::Indirect;
 use super::gbuffer::GBuffer;
 use crate::config::{FilterConfig, FilterKind};
 use crate::gpu::Format;
@@ -15,7 +16,7 @@ shader_struct! {
 }
 
 /// Fills the slot with the config's kind. `interleave` is the size of the pattern that is to go.
-pub fn smooth(g: &mut Graph, gbuffer: &GBuffer, noisy: Image, interleave: u32, config: &FilterConfig) -> Image {
+pub fn smooth(g: &mut Graph, gbuffer: &GBuffer, noisy: Indirect, interleave: u32, config: &FilterConfig) -> Indirect {
     let (shader, radius) = match config.kind {
         FilterKind::None => return noisy,
         // Without a pattern and without a wish there is nothing to smooth.
@@ -24,19 +25,32 @@ pub fn smooth(g: &mut Graph, gbuffer: &GBuffer, noisy: Image, interleave: u32, c
         FilterKind::Gaussian => ("filter/gaussian", 2 * interleave),
         FilterKind::CrossBilateral => ("filter/cross-bilateral", interleave),
     };
-    separable(g, gbuffer, noisy, shader, config.radius.unwrap_or(radius), config)
+    let radius = config.radius.unwrap_or(radius);
+    let irradiance =
+        separable(g, gbuffer, noisy.irradiance, shader, ["filter/rows", "filter/columns", "filter/irradiance"], radius, config);
+    let names = ["filter/reflection-rows", "filter/reflection-columns", "filter/reflection"];
+    let reflection = noisy.reflection.map(|noisy| separable(g, gbuffer, noisy, shader, names, radius, config));
+    Indirect { irradiance, reflection }
 }
 
 /// Depth- and normal-aware, first along rows, then along columns (Laine et al. 2007); the shader says how weights fall.
-fn separable(g: &mut Graph, gbuffer: &GBuffer, noisy: Image, shader: &'static str, radius: u32, config: &FilterConfig) -> Image {
-    let rows = g.image("filter/rows", Format::Rgba16Float, gbuffer.size);
-    let smoothed = g.image("filter/irradiance", Format::Rgba16Float, gbuffer.size);
+fn separable(
+    g: &mut Graph,
+    gbuffer: &GBuffer,
+    noisy: Image,
+    shader: &'static str,
+    [in_rows, in_columns, name]: [&'static str; 3],
+    radius: u32,
+    config: &FilterConfig,
+) -> Image {
+    let rows = g.image(in_rows, Format::Rgba16Float, gbuffer.size);
+    let smoothed = g.image(name, Format::Rgba16Float, gbuffer.size);
     let params = SeparableParams {
         radius: radius as i32,
         min_cosine: config.normal_threshold_deg.to_radians().cos(),
         plane_distance: config.plane_distance,
     };
-    for (name, vertical, from, to) in [("filter/rows", false, noisy, rows), ("filter/columns", true, rows, smoothed)] {
+    for (name, vertical, from, to) in [(in_rows, false, noisy, rows), (in_columns, true, rows, smoothed)] {
         g.compute(name)
             .shader(shader)
             .reads("view", gbuffer.view)

@@ -79,8 +79,8 @@ pub fn caustics(config: &Caustics) -> Scene {
         position,
         direction: (target - position).normalize(),
         intensity: Vec3::new(220.0, 205.0, 180.0),
-        inner: 20f32.to_radians(),
-        outer: 24f32.to_radians(),
+        inner: 17f32.to_radians(),
+        outer: 20f32.to_radians(),
         falloff: SpotFalloff::Angle,
     });
     scene.cameras.push(Camera {

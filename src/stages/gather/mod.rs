@@ -8,7 +8,7 @@ pub use stochastic::Roulette;
 use super::gbuffer::GBuffer;
 use super::visibility::Visibility;
 use super::vpls::Vpls;
-use crate::config::{Culling, Emitters, GatherConfig, GatherMethod, Lookup};
+use crate::config::{Culling, Dielectric, Emitters, GatherConfig, GatherMethod, Lookup};
 use crate::gpu::Format;
 use crate::graph::{Buffer, ComputePass, Graph, Image};
 use crate::scene::shells::Shells;
@@ -52,34 +52,61 @@ shader_struct! {
 /// two turns for four VPLs.
 pub const MOST_VPLS_A_PIXEL: u64 = 100_000;
 
-/// Fills the slot with the config's method; the image holds indirect irradiance, W/m^2, of all bounces' VPLs.
+/// Indirect light at the pixels.
+#[derive(Debug, Clone, Copy)]
+pub struct Indirect {
+    /// W/m^2.
+    pub irradiance: Image,
+    /// Radiance to the eye that surfaces' gloss makes of it; there where it is wanted.
+    pub reflection: Option<Image>,
+}
+
+impl From<Image> for Indirect {
+    fn from(irradiance: Image) -> Self {
+        Self { irradiance, reflection: None }
+    }
+}
+
+/// Fills the slot with the config's method: the light of all bounces' VPLs.
 pub fn indirect(
     g: &mut Graph,
     shells: &Shells,
     gbuffer: &GBuffer,
     lights: &[(Vpls, Visibility)],
     roulette: Roulette,
+    dielectric: Dielectric,
     config: &GatherConfig,
-) -> Image {
+) -> Indirect {
     let of_bounce = |((vpls, visibility), time): (&(Vpls, Visibility), u32)| {
         g.again(time, |g| match (config.method, config.culling) {
-            (GatherMethod::PerPixel, Culling::StochasticTiled) => stochastic::tiled(g, gbuffer, vpls, *visibility, roulette, config),
-            (GatherMethod::PerPixel, Culling::Splatting) => rivals::splatting(g, shells, gbuffer, vpls, roulette, config),
+            (GatherMethod::PerPixel, Culling::StochasticTiled) => {
+                stochastic::tiled(g, gbuffer, vpls, *visibility, roulette, dielectric, config)
+            }
+            (GatherMethod::PerPixel, Culling::Splatting) => rivals::splatting(g, shells, gbuffer, vpls, roulette, config).into(),
             (GatherMethod::PerPixel, Culling::ConservativeClusters) => {
-                rivals::conservative_clusters(g, shells, gbuffer, vpls, roulette, config)
+                rivals::conservative_clusters(g, shells, gbuffer, vpls, roulette, config).into()
             }
             (GatherMethod::PerPixel, Culling::None | Culling::Tiled | Culling::Clustered) => {
-                per_pixel(g, gbuffer, vpls, *visibility, config)
+                per_pixel(g, gbuffer, vpls, *visibility, config).into()
             }
         })
     };
-    let images: Vec<Image> = lights.iter().zip(1..).map(of_bounce).collect();
-    images[1..].iter().zip(1..).fold(images[0], |sum, (image, time)| g.again(time, |g| add(g, sum, *image)))
+    let images: Vec<Indirect> = lights.iter().zip(1..).map(of_bounce).collect();
+    let irradiance = total(g, "gather/sum", images.iter().map(|light| light.irradiance)).expect("there is a bounce at least");
+    let reflection = total(g, "gather/reflection-sum", images.iter().filter_map(|light| light.reflection));
+    Indirect { irradiance, reflection }
 }
 
-fn add(g: &mut Graph, first: Image, second: Image) -> Image {
-    let sum = g.image("gather/sum", Format::Rgba16Float, first.size);
-    g.compute("gather/add")
+/// All of some images.
+fn total(g: &mut Graph, name: &'static str, mut images: impl Iterator<Item = Image>) -> Option<Image> {
+    let first = images.next()?;
+    Some(images.zip(1..).fold(first, |sum, (image, time)| g.again(time, |g| add(g, name, sum, image))))
+}
+
+fn add(g: &mut Graph, name: &'static str, first: Image, second: Image) -> Image {
+    let sum = g.image(name, Format::Rgba16Float, first.size);
+    g.compute(if name == "gather/sum" { "gather/add" } else { "gather/add-reflection" })
+        .shader("gather/add")
         .reads("first", first)
         .reads("second", second)
         .writes("irradiance", sum)

@@ -1,7 +1,7 @@
 //! Stochastic light culling (Tokuyoshi and Harada 2017): VPLs shine as far as a random number each lets them.
 
-use super::{Visibility, shadowed};
-use crate::config::{Bounds, Config, GatherConfig, RouletteChoice};
+use super::{Indirect, Visibility, shadowed};
+use crate::config::{Bounds, Config, Dielectric, GatherConfig, Receiver, RouletteChoice};
 use crate::gpu::Format;
 use crate::graph::{Buffer, Graph, Image};
 use crate::shader_struct;
@@ -107,11 +107,14 @@ pub(super) fn tiled(
     vpls: &Vpls,
     visibility: Visibility,
     roulette: Roulette,
+    dielectric: Dielectric,
     config: &GatherConfig,
-) -> Image {
+) -> Indirect {
     let ranges = ranges(g, gbuffer, vpls, roulette, config);
     let n = config.interleave;
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
+    let reflects = config.receiver == Receiver::Ggx;
+    let reflection = g.image("gather/reflection", Format::Rgba16Float, if reflects { gbuffer.size } else { [1, 1] });
     let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.statistics { gbuffer.size } else { [1, 1] });
     let groups = gbuffer.size.map(|side| side.div_ceil(TILE * n) * n);
     let names =
@@ -126,19 +129,24 @@ pub(super) fn tiled(
         .reads("spheres", ranges.spheres)
         .reads("spheroids", ranges.spheroids)
         .reads("chances", ranges.chances)
+        .reads("albedo", gbuffer.albedo)
+        .reads("metallic_roughness", gbuffer.metallic_roughness)
         .writes("numbers", numbers)
+        .writes("reflection", reflection)
         .writes("irradiance", irradiance)
         .constant("INTERLEAVE", n)
         .constant("DIFFUSE", vpls.diffuse)
         .constant("LOBES", vpls.lobes.is_some())
         .constant("CULL", config.bounds != Bounds::None)
         .constant("STATISTICS", config.statistics)
+        .constant("GLOSSY_RECEIVER", reflects)
+        .constant("GLOSSY_DIELECTRIC", dielectric == Dielectric::Ggx)
         .params(&StochasticParams::of(vpls, config))
         .dispatch_groups([groups[0], groups[1], 1]);
     if config.statistics {
         statistics(g, gbuffer, numbers);
     }
-    irradiance
+    Indirect { irradiance, reflection: reflects.then_some(reflection) }
 }
 
 /// Pictures how many VPLs pixels have on their lists and how many of those do not shine on them (figures 9 and 10), and counts
