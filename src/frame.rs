@@ -53,6 +53,7 @@ pub fn frame(
         handles,
         traced: traced.as_ref(),
         gbuffer: &gbuffer,
+        rsm: &rsm,
         interleave: config.gather.interleave,
         seed: config.frame.seed,
     };

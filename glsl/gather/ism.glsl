@@ -1,16 +1,5 @@
 // Shadows of VPLs by their imperfect shadow maps.
-#include "lib/paraboloid.glsl"
-#include "visibility/ism.glsl"
-
-layout(constant_id = 2) const bool BILINEAR = true;
-
-layout(scalar) uniform IsmBlock {
-    float far;     // the distance that 1 stands for, metres
-    float bias;    // widths of a texel
-    int size;      // side of a map, texels
-    uint columns;  // maps side by side
-} ism;
-layout(r32f) readonly uniform image2D maps;
+#include "gather/ism-lookup.glsl"
 
 struct Shadow {
     vec3 across; // the map's axes
@@ -27,26 +16,5 @@ Shadow shadow_of(uint vpl, vec3 position, vec3 facing) {
     Shadow(subgroupBroadcast(shadow.across, lane), subgroupBroadcast(shadow.up, lane), subgroupBroadcast(shadow.corner, lane))
 
 float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float to) {
-    float d = sqrt(squared);
-    // 2 (d + from) / size is what a texel's width comes to at the receiver.
-    float sum = max(d + from, 1e-12);
-    vec2 p = vec2(dot(shadow.across, way), dot(shadow.up, way)) / -sum;
-    float size = float(ism.size);
-    vec2 at = (p * 0.5 + 0.5) * size;
-    // The surface runs deeper across a texel the more it slopes: by its width over the cosine, at most.
-    float hidden = d * to - ism.bias * 2.0 / size * sum * d, unit = to * ism.far;
-    if (BILINEAR) {
-        at = clamp(at - 0.5, 0.0, size - 1.0);
-        ivec2 low = ivec2(at);
-        ivec2 step = min(low + 1, ivec2(ism.size - 1)) - low;
-        ivec2 texel = shadow.corner + low;
-        vec4 nearest = vec4(imageLoad(maps, texel).r, imageLoad(maps, texel + ivec2(step.x, 0)).r,
-                            imageLoad(maps, texel + ivec2(0, step.y)).r, imageLoad(maps, texel + step).r);
-        vec4 open = vec4(greaterThanEqual(nearest * unit, vec4(hidden)));
-        vec2 within = at - vec2(low);
-        vec2 rows = mix(open.xz, open.yw, within.x);
-        return mix(rows.x, rows.y, within.y);
-    }
-    ivec2 texel = clamp(ivec2(at), ivec2(0), ivec2(ism.size - 1));
-    return imageLoad(maps, shadow.corner + texel).r * unit >= hidden ? 1.0 : 0.0;
+    return lit_in_map(shadow.across, shadow.up, shadow.corner, normal, way, squared, from, to);
 }

@@ -19,3 +19,25 @@ uint permutation(uint index, uint count) {
     } while (value >= count);
     return value;
 }
+
+// Where the permutation takes `value` from.
+uint permutation_inverse(uint value, uint count) {
+    uint half_bits = 1u;
+    while ((1u << (2u * half_bits)) < count) half_bits += 1u;
+    uint mask = (1u << half_bits) - 1u;
+    uint index = value;
+    do {
+        uint left = index >> half_bits, right = index & mask;
+        for (uint round = 4u; round > 0u; round--) {
+            uint hashed = (left + 0x9e3779b9u * round) * 0x85ebca6bu;
+            hashed ^= hashed >> 15;
+            hashed *= 0xc2b2ae35u;
+            hashed ^= hashed >> 13;
+            uint before = (right ^ hashed) & mask;
+            right = left;
+            left = before;
+        }
+        index = (left << half_bits) | right;
+    } while (index >= count);
+    return index;
+}

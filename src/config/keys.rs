@@ -268,6 +268,11 @@ fn list() -> Vec<KeyInfo> {
         key("bounce.vpls", Whole { min: 1, max: 65_536 }, "Virtual point lights of each bounce after the first, in all"),
         key("bounce.visibility", Choice(choices::<BounceVisibility>()), "How their shadows are found"),
         key("visibility.method", Choice(choices::<VisibilityMethod>()), "How a virtual point light's shadows are found"),
+        key(
+            "visibility.shared_maps",
+            Whole { min: 1, max: 65_536 },
+            "Imperfect shadow maps that `\"every-texel\"`'s lights share, at most: neighbours see much the same",
+        ),
         key("visibility.renderer", Choice(choices::<IsmRenderer>()), "How points get into imperfect shadow maps"),
         key("visibility.collect", Choice(choices::<Collect>()), "How points are made from triangles"),
         key("visibility.points", Choice(choices::<PointSet>()), "Which points a map gets: any, or by the solid angle that its light sees"),

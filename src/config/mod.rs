@@ -51,6 +51,12 @@ pub struct Config {
 }
 
 impl Config {
+    /// How many imperfect shadow maps the first virtual point lights share, where they do.
+    pub fn shared_maps(&self) -> Option<u32> {
+        let shared = self.visibility.method == VisibilityMethod::ImperfectShadowMaps && self.vpls.sampler == VplSampler::EveryTexel;
+        shared.then_some(self.visibility.shared_maps)
+    }
+
     /// Virtual point lights of the first bounce, where the reflective shadow map has so many layers.
     pub fn vpl_count(&self, layers: u32) -> u32 {
         match self.vpls.sampler {

@@ -83,6 +83,10 @@ pub fn values(config: &Config, root: &Node) -> Result<()> {
             return fail("gather.bounds".to_owned(), message.to_owned());
         }
     }
+    if config.shared_maps().is_some() && config.gather.culling != Culling::StochasticTiled {
+        let message = "imperfect shadow maps are shared with stochastic tiles alone; take gather.culling = \"stochastic-tiled\" or another vpls.sampler";
+        return fail("visibility.method".to_owned(), message.to_owned());
+    }
     if config.gather.receiver == Receiver::Ggx && config.gather.culling != Culling::StochasticTiled {
         let message = "receivers are glossy with stochastic tiles alone; take gather.culling = \"stochastic-tiled\"";
         return fail("gather.receiver".to_owned(), message.to_owned());

@@ -238,6 +238,8 @@ pub enum BounceVisibility {
 #[serde(default, deny_unknown_fields)]
 pub struct VisibilityConfig {
     pub method: VisibilityMethod,
+    /// Imperfect shadow maps that the lights of every texel share, at most, 1 to 65,536.
+    pub shared_maps: u32,
     /// How points get into the imperfect shadow maps.
     pub renderer: IsmRenderer,
     pub collect: Collect,
@@ -276,6 +278,7 @@ impl Default for VisibilityConfig {
     fn default() -> Self {
         Self {
             method: VisibilityMethod::None,
+            shared_maps: 1024,
             renderer: IsmRenderer::SinglePixel,
             collect: Collect::Compute,
             points: PointSet::Uniform,

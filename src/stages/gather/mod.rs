@@ -6,7 +6,7 @@ mod stochastic;
 pub use stochastic::Roulette;
 
 use super::gbuffer::GBuffer;
-use super::visibility::Visibility;
+use super::visibility::{Ism, Visibility};
 use super::vpls::Vpls;
 use crate::config::{Culling, Dielectric, Emitters, GatherConfig, GatherMethod, Lookup};
 use crate::gpu::Format;
@@ -136,9 +136,9 @@ fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibili
     };
     let names = match config.culling {
         Culling::StochasticTiled | Culling::Splatting | Culling::ConservativeClusters => unreachable!("they have functions of their own"),
-        Culling::None => ["gather/per-pixel", "gather/per-pixel-visible", "gather/per-pixel-ism", "gather/per-pixel-clusters"],
-        Culling::Tiled => ["gather/tiled", "gather/tiled-visible", "gather/tiled-ism", "gather/tiled-clusters"],
-        Culling::Clustered => ["gather/clustered", "gather/clustered-visible", "gather/clustered-ism", "gather/clustered-clusters"],
+        Culling::None => ["gather/per-pixel", "gather/per-pixel-visible", "gather/per-pixel-ism", "gather/per-pixel-clusters", ""],
+        Culling::Tiled => ["gather/tiled", "gather/tiled-visible", "gather/tiled-ism", "gather/tiled-clusters", ""],
+        Culling::Clustered => ["gather/clustered", "gather/clustered-visible", "gather/clustered-ism", "gather/clustered-clusters", ""],
     };
     let mut pass = shadowed(g, names, visibility);
     if let Some(clusters) = clusters {
@@ -158,16 +158,20 @@ fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibili
     irradiance
 }
 
+/// A pass that looks shadows up in imperfect shadow maps.
+fn in_maps<'g>(g: &'g mut Graph, name: &'static str, ism: Ism) -> ComputePass<'g> {
+    let block = IsmBlock { far: ism.far, bias: ism.bias, size: ism.size as i32, columns: ism.columns };
+    let block = g.upload("gather/ism", &[block]);
+    g.compute(name).reads("ism", block).reads("maps", ism.maps).constant("BILINEAR", ism.lookup == Lookup::Bilinear)
+}
+
 /// The pass of those that is for a kind of shadow, with what that reads.
-fn shadowed<'g>(g: &'g mut Graph, names: [&'static str; 4], visibility: Visibility) -> ComputePass<'g> {
+fn shadowed<'g>(g: &'g mut Graph, names: [&'static str; 5], visibility: Visibility) -> ComputePass<'g> {
     match visibility {
         Visibility::None => g.compute(names[0]),
         Visibility::Bits(visible) => g.compute(names[1]).reads("visible", visible),
-        Visibility::Ism(ism) => {
-            let block = IsmBlock { far: ism.far, bias: ism.bias, size: ism.size as i32, columns: ism.columns };
-            let block = g.upload("gather/ism", &[block]);
-            g.compute(names[2]).reads("ism", block).reads("maps", ism.maps).constant("BILINEAR", ism.lookup == Lookup::Bilinear)
-        }
+        Visibility::Ism(ism) => in_maps(g, names[2], ism),
+        Visibility::SharedIsm { ism, labels, proxies } => in_maps(g, names[4], ism).reads("labels", labels).reads("proxies", proxies),
         Visibility::Clusters { clusters, bias, lookup } => {
             let block = g.upload("gather/clusters-of-vpls", &[ClustersBlock { far: clusters.far, bias, size: clusters.size as i32 }]);
             g.compute(names[3])

@@ -117,8 +117,13 @@ pub(super) fn tiled(
     let reflection = g.image("gather/reflection", Format::Rgba16Float, if reflects { gbuffer.size } else { [1, 1] });
     let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.statistics { gbuffer.size } else { [1, 1] });
     let groups = gbuffer.size.map(|side| side.div_ceil(TILE * n) * n);
-    let names =
-        ["gather/stochastic-tiled", "gather/stochastic-tiled-visible", "gather/stochastic-tiled-ism", "gather/stochastic-tiled-clusters"];
+    let names = [
+        "gather/stochastic-tiled",
+        "gather/stochastic-tiled-visible",
+        "gather/stochastic-tiled-ism",
+        "gather/stochastic-tiled-clusters",
+        "gather/stochastic-tiled-shared-ism",
+    ];
     shadowed(g, names, visibility)
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)

@@ -5,15 +5,17 @@ mod ism;
 mod points;
 mod pull_push;
 mod ray_traced;
+mod shared;
 
 pub use ism::{Ism, partition_capacity};
 pub use ray_traced::BITS;
 
 use super::bounce::{Bounce, Clusters};
 use super::gbuffer::GBuffer;
+use super::rsm::Rsm;
 use super::vpls::Vpls;
 use crate::config::{Config, Lookup, VisibilityConfig, VisibilityMethod};
-use crate::graph::{Graph, Image};
+use crate::graph::{Buffer, Graph, Image};
 use crate::scene::device::{DeviceScene, SceneHandles};
 use crate::scene::traced::TracedHandles;
 
@@ -26,6 +28,8 @@ pub enum Visibility {
     Bits(Image),
     /// A small map a VPL.
     Ism(Ism),
+    /// A small map for several VPLs: of each which one, and the places that the maps are seen from.
+    SharedIsm { ism: Ism, labels: Buffer, proxies: Buffer },
     /// A map a cluster of VPLs; the bias is in widths of a texel.
     Clusters { clusters: Clusters, bias: f32, lookup: Lookup },
 }
@@ -38,6 +42,7 @@ pub struct Surroundings<'f> {
     /// There where the method traces rays.
     pub traced: Option<&'f TracedHandles>,
     pub gbuffer: &'f GBuffer,
+    pub rsm: &'f Rsm,
     /// Each pixel takes one of every `interleave^2` VPLs.
     pub interleave: u32,
     pub seed: u32,
@@ -47,7 +52,11 @@ pub struct Surroundings<'f> {
 /// `bounce.visibility` for the others.
 pub fn render(g: &mut Graph, around: Surroundings<'_>, bounces: &[Bounce], config: &Config) -> Vec<(Vpls, Visibility)> {
     let of_bounce = |((bounce, method), time): ((&Bounce, VisibilityMethod), u32)| {
-        (bounce.vpls, g.again(time, |g| of_vpls(g, around, bounce, method, &config.visibility)))
+        let visibility = g.again(time, |g| match (config.shared_maps(), time) {
+            (Some(maps), 1) => shared::render(g, around, &bounce.vpls, maps, &config.visibility),
+            _ => of_vpls(g, around, bounce, method, &config.visibility),
+        });
+        (bounce.vpls, visibility)
     };
     bounces.iter().zip(config.visibility_methods()).zip(1..).map(of_bounce).collect()
 }

@@ -1,0 +1,63 @@
+//! Imperfect shadow maps that neighbouring VPLs share: 65,536 maps of their own would take a gigabyte, and VPLs of adjoining texels see much
+//! the same.
+
+use super::{Surroundings, Visibility, VisibilityConfig, ism};
+use crate::graph::Graph;
+use crate::shader_struct;
+use crate::stages::vpls::{VplPoint, Vpls};
+
+shader_struct! {
+    struct ProxiesParams {
+        size: [u32; 2],
+        blocks: [u32; 2],
+        count: u32,
+        proxies: u32,
+    }
+}
+
+/// Blocks of a map's texels, as square as may be, of which all layers have at most `maps`.
+fn blocks(size: [u32; 2], layers: u32, maps: u32) -> [u32; 2] {
+    let each = (maps / layers).max(1);
+    let columns = (f64::from(each) * f64::from(size[0]) / f64::from(size[1])).sqrt() as u32;
+    let columns = columns.clamp(1, size[0].min(each));
+    [columns, (each / columns).clamp(1, size[1])]
+}
+
+/// A map for each block of texels, seen from the lit VPL nearest to its middle. The VPLs are those of every texel.
+pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, maps: u32, config: &VisibilityConfig) -> Visibility {
+    let blocks = blocks(around.rsm.size, around.rsm.layers, maps);
+    let count = blocks[0] * blocks[1] * around.rsm.layers;
+    let proxies = Vpls {
+        count,
+        points: g.buffer::<VplPoint>("visibility/proxies", count),
+        areas: g.buffer::<f32>("visibility/proxy-areas", count),
+        ..*vpls
+    };
+    let labels = g.buffer::<u32>("visibility/labels", vpls.count);
+    g.compute("visibility/proxies")
+        .reads("points", vpls.points)
+        .reads("areas", vpls.areas)
+        .writes("proxy_points", proxies.points)
+        .writes("proxy_areas", proxies.areas)
+        .writes("labels", labels)
+        .params(&ProxiesParams { size: around.rsm.size, blocks, count: vpls.count, proxies: count })
+        .dispatch([count, 1, 1]);
+    match ism::render(g, around, &proxies, config) {
+        Visibility::Ism(ism) => Visibility::SharedIsm { ism, labels, proxies: proxies.points },
+        other => unreachable!("imperfect shadow maps are no {other:?}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_are_square_and_no_more_than_maps() {
+        assert_eq!(blocks([256, 256], 1, 1024), [32, 32]);
+        assert_eq!(blocks([512, 128], 1, 1024), [64, 16]);
+        assert_eq!(blocks([256, 256], 6, 1024), [13, 13]);
+        assert_eq!(blocks([4, 4], 2, 1), [1, 1]);
+        assert_eq!(blocks([2, 2], 1, 1000), [2, 2]);
+    }
+}
