@@ -186,7 +186,12 @@ fn list() -> Vec<KeyInfo> {
             Whole { min: 8_000, max: 8_000_000 },
             "About how many triangles the atrium has, from 10,000 on; just how many the caustics",
         ),
-        key("scene.roughness", from(0.001, 1.0), "GGX's alpha of the caustics' metal: a glTF material's roughness is its root"),
+        absent(
+            "scene.roughness",
+            from(0.001, 1.0),
+            "0.05 of the caustics",
+            "GGX's alpha of the caustics' metal: a glTF material's roughness is its root",
+        ),
         key("scene.seed", U32, "Seed of what is random in the atrium"),
         absent(
             "scene.split",
