@@ -1,12 +1,14 @@
-// What samplers of the reflective shadow maps share: which map a sample is of, and the VPL that a texel makes.
+#ifndef VPL_TEXEL_GLSL
+#define VPL_TEXEL_GLSL
+// What samplers of the reflective shadow maps share: which map a sample is of, and the VPL that a texel makes. Whoever includes it defines
+//     bool put_lobe(uint index, ivec3 at, float texels, vec3 position);
+// whether there is a glossy VPL beside the diffuse one, which it stores; a texel without a surface has the layer -1.
 #include "lib/light.glsl"
-#include "lib/lobe.glsl"
 #include "lib/packing.glsl"
 #include "lib/permutation.glsl"
 #include "lib/vpl.glsl"
 
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const bool LOBES = false; // glossy VPLs beside the diffuse ones
 
 layout(scalar, push_constant) uniform Params {
     uvec2 size;   // texels of a map
@@ -19,13 +21,14 @@ uniform sampler2DArray rsm_depth;
 uniform sampler2DArray rsm_normal;
 uniform sampler2DArray rsm_flux;
 uniform sampler2DArray rsm_albedo;
-uniform sampler2DArray rsm_specular;
-uniform sampler2DArray rsm_lobe;
 layout(scalar) writeonly buffer Points { VplPoint at[]; } points;
 layout(scalar) writeonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) writeonly buffer Areas { float at[]; } areas;
-layout(scalar) writeonly buffer Lobes { Lobe at[]; } lobes;
 layout(scalar) buffer Lit { uint count; } lit;
+
+const float VPL_PI = 3.14159265358979;
+
+bool put_lobe(uint index, ivec3 at, float texels, vec3 position);
 
 // The map of VPL number `index`, and which of the map's samples it is. The order is a fixed permutation's; the first maps get what
 // the division leaves over.
@@ -43,27 +46,19 @@ void put(uint index, ivec3 at, float texels) {
     VplPoint point = VplPoint(vec3(0.0), 0u);
     vec3 intensity = vec3(0.0);
     float area = 0.0;
-    Lobe lobe = Lobe(vec3(0.0), 0u, vec3(0.0), 0u, 1.0, 0.0);
     float depth = texelFetch(rsm_depth, at, 0).r;
     if (depth > 0.0) {
         vec2 ndc = (vec2(at.xy) + 0.5) / vec2(params.size) * 2.0 - 1.0;
         point.position = light_position(lights.at[at.z], ndc, depth);
         point.normal = octahedral_snorm16(octahedral_inverse(texelFetch(rsm_normal, at, 0).xy));
         area = texels * texel_beam(lights.at[at.z], ndc, point.position);
-        intensity = texelFetch(rsm_flux, at, 0).rgb * texelFetch(rsm_albedo, at, 0).rgb * (texels / PI);
-        vec4 specular = LOBES ? texelFetch(rsm_specular, at, 0) : vec4(0.0);
-        if (specular.a > 0.0) {
-            vec4 shape = texelFetch(rsm_lobe, at, 0);
-            Light light = lights.at[at.z];
-            vec3 incoming = light.kind == DIRECTIONAL ? -light.direction : normalize(light.origin - point.position);
-            lobe = Lobe(texelFetch(rsm_flux, at, 0).rgb * texels, octahedral_snorm16(octahedral_inverse(shape.xy)), specular.rgb,
-                        octahedral_snorm16(incoming), shape.z, specular.a);
-        }
+        intensity = texelFetch(rsm_flux, at, 0).rgb * texelFetch(rsm_albedo, at, 0).rgb * (texels / VPL_PI);
     }
-    if (all(equal(intensity, vec3(0.0))) && all(equal(lobe.flux, vec3(0.0)))) area = 0.0;
-    if (LOBES) lobes.at[index] = lobe;
+    bool glossy = put_lobe(index, depth > 0.0 ? at : ivec3(-1), texels, point.position);
+    if (all(equal(intensity, vec3(0.0))) && !glossy) area = 0.0;
     points.at[index] = point;
     intensities.at[index] = intensity;
     areas.at[index] = area;
     if (any(greaterThan(intensity, vec3(0.0)))) atomicAdd(lit.count, 1u);
 }
+#endif

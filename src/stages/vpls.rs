@@ -56,14 +56,16 @@ pub struct Vpls {
 pub fn sample(g: &mut Graph, rsm: &Rsm, _gbuffer: &GBuffer, config: &VplsConfig) -> Vpls {
     let diffuse = config.reflection != Reflection::Glossy;
     match config.sampler {
-        VplSampler::Regular => from_texels(g, "vpls/regular", rsm, config.count, diffuse),
-        VplSampler::Hammersley => from_texels(g, "vpls/hammersley", rsm, config.count, diffuse),
-        VplSampler::EveryTexel => from_texels(g, "vpls/every-texel", rsm, rsm.size[0] * rsm.size[1] * rsm.layers, diffuse),
+        VplSampler::Regular => from_texels(g, ["vpls/regular", "vpls/regular-glossy"], rsm, config.count, diffuse),
+        VplSampler::Hammersley => from_texels(g, ["vpls/hammersley", "vpls/hammersley-glossy"], rsm, config.count, diffuse),
+        VplSampler::EveryTexel => {
+            from_texels(g, ["vpls/every-texel", "vpls/every-texel-glossy"], rsm, rsm.size[0] * rsm.size[1] * rsm.layers, diffuse)
+        }
     }
 }
 
-/// Texels of each light's map, in the order of a fixed permutation; the pass says which. Counts `vpls/lit`, VPLs that have flux.
-fn from_texels(g: &mut Graph, pass: &'static str, rsm: &Rsm, count: u32, diffuse: bool) -> Vpls {
+/// Texels of each light's map, in the order of a fixed permutation; the pass says which, and whether there are glossy ones beside the diffuse. Counts `vpls/lit`, VPLs that have flux.
+fn from_texels(g: &mut Graph, [matte, glossy]: [&'static str; 2], rsm: &Rsm, count: u32, diffuse: bool) -> Vpls {
     let vpls = Vpls {
         count,
         points: g.buffer::<VplPoint>("vpls/points", count),
@@ -72,24 +74,22 @@ fn from_texels(g: &mut Graph, pass: &'static str, rsm: &Rsm, count: u32, diffuse
         lobes: rsm.glossy.map(|_| g.buffer::<Lobe>("vpls/lobes", count)),
         diffuse,
     };
-    // Bound and not used where there are none.
-    let lobes = vpls.lobes.unwrap_or_else(|| g.zeroed::<Lobe>("vpls/no-lobes", 1));
-    let (specular, lobe) = rsm.glossy.map_or((rsm.albedo, rsm.albedo), |glossy| (glossy.specular, glossy.lobe));
     let lit = g.count("vpls/lit");
-    g.compute(pass)
-        .reads("lights", rsm.lights)
+    let pass = match (rsm.glossy, vpls.lobes) {
+        (Some(texels), Some(lobes)) => {
+            g.compute(glossy).reads("rsm_specular", texels.specular).reads("rsm_lobe", texels.lobe).writes("lobes", lobes)
+        }
+        _ => g.compute(matte),
+    };
+    pass.reads("lights", rsm.lights)
         .reads("rsm_depth", rsm.depth)
         .reads("rsm_normal", rsm.normal)
         .reads("rsm_flux", rsm.flux)
         .reads("rsm_albedo", rsm.albedo)
-        .reads("rsm_specular", specular)
-        .reads("rsm_lobe", lobe)
         .writes("points", vpls.points)
         .writes("intensities", vpls.intensities)
         .writes("areas", vpls.areas)
-        .writes("lobes", lobes)
         .updates("lit", lit)
-        .constant("LOBES", rsm.glossy.is_some())
         .params(&TexelParams { size: rsm.size, lights: rsm.layers, count })
         .dispatch([count, 1, 1]);
     vpls
