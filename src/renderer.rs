@@ -1,6 +1,6 @@
 //! Renders a scene under a config, frame by frame: what the commands and the tests share.
 
-use crate::config::{Builtin, Config, SceneConfig, SceneSelector, Shadows, TimingMode, VisibilityMethod};
+use crate::config::{Builtin, Config, Culling, Reflection, SceneConfig, SceneSelector, Shadows, TimingMode, VisibilityMethod};
 use crate::fail;
 use crate::frame::{Frame, Lighting, frame};
 use crate::gpu::{Adapter, Feature, Format, Gpu, Options};
@@ -97,7 +97,10 @@ impl Rendered {
                 "visibility.capacity: {count} points came to partitions that do not hold as many and were left out; raise it, or leave it to the program"
             )
         };
-        dropped.map(warning).collect()
+        let lost = self.counts.iter().filter(|(name, count)| name.starts_with("gather/lost") && *count > 0).map(|(_, count)| {
+            format!("gather.culling: {count} nodes found no room in the clusters' light lists, and their light is missing; raise gather.delta or gather.interleave")
+        });
+        dropped.map(warning).chain(lost).collect()
     }
 }
 
@@ -310,6 +313,16 @@ impl Renderer {
                 }
             }
         }
+        if let Some(shared) = config.shared_maps()
+            && texels / u64::from(shared).max(maps).max(1) > visibility::MOST_TEXELS_A_MAP
+        {
+            return Err(fail!(
+                BadInput,
+                "visibility.shared_maps: {shared} leave {} texels to each, over the {} that every driver takes; raise it",
+                texels / u64::from(shared).max(maps).max(1),
+                visibility::MOST_TEXELS_A_MAP
+            ));
+        }
         let most = u64::from(limits.image_layers) * u64::from(visibility::BITS);
         let lists = [("vpls.count", count as u32), ("bounce.vpls", if config.bounce.count > 1 { config.bounce.vpls } else { 0 })];
         for ((key, count), method) in lists.into_iter().zip(config.visibility_methods()) {
@@ -321,6 +334,35 @@ impl Renderer {
                     config.gather.interleave,
                     adapter.name
                 ));
+            }
+            let lists = if config.vpls.reflection == Reflection::Both { 2 } else { 1 };
+            if config.gather.culling.is_stochastic() && each > gather::MOST_TURNS / (lists + 1) {
+                return Err(fail!(
+                    BadInput,
+                    "gather.interleave: {} leaves {each} VPLs to each pixel, over the {} that every driver culls by chance; raise it or lower {key}",
+                    config.gather.interleave,
+                    gather::MOST_TURNS / (lists + 1)
+                ));
+            }
+            let pairs = u64::from(width) * u64::from(height) * each;
+            if config.gather.statistics && pairs > u64::from(u32::MAX) {
+                return Err(fail!(
+                    BadInput,
+                    "gather.statistics: pictures of {width}x{height} may have {pairs} pairs of pixels and VPLs, over the {} that are counted; raise gather.interleave or take a smaller picture",
+                    u32::MAX
+                ));
+            }
+            if config.gather.culling == Culling::ConservativeClusters {
+                let bytes = gather::shell_bytes(config.frame.size, config.gather.interleave, count);
+                if bytes > limits.storage_buffer_bytes {
+                    return Err(fail!(
+                        BadInput,
+                        "gather.culling: \"conservative-clusters\" needs {} MB for {count} VPLs in pictures of {width}x{height}, over the {} MB that {} allows a buffer; raise gather.interleave",
+                        bytes >> 20,
+                        limits.storage_buffer_bytes >> 20,
+                        adapter.name
+                    ));
+                }
             }
             if each > gather::MOST_VPLS_A_PIXEL {
                 return Err(fail!(

@@ -174,6 +174,7 @@ fn every_mistake_gets_a_sentence_with_file_line_and_key() {
             "visibility.method = \"ray-traced\"\n[gather]\nculling = \"splatting\"",
             "x.toml:3: gather.culling: splats and conservative clusters are there to be timed, and have no shadows",
         ),
+        ("[gather]\nculling = \"splatting\"\nstatistics = true", "x.toml:3: gather.statistics: splats are on no list to be counted"),
         ("[gather]\nculling = \"splatting\"\nbounds = \"none\"", "x.toml:3: gather.bounds: \"none\" leaves nothing to draw"),
         (
             "vpls.sampler = \"every-texel\"\nvisibility.method = \"imperfect-shadow-maps\"",

@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // How many VPLs pixels have on their lists, as brightness up to 256, and what part of them does not shine there, as colour from blue over green to
-// red (Tokuyoshi and Harada 2017, figures 9 and 10). Of glossy VPLs where there are any.
+// red (Tokuyoshi and Harada 2017, figures 9 and 10). Of diffuse and glossy ones together.
 #include "lib/color.glsl"
 
 layout(local_size_x = 64) in;
@@ -29,8 +29,9 @@ void main() {
         atomicAdd(glossy_listed.count, number.z);
         atomicAdd(glossy_lit.count, number.w);
     }
-    uvec2 shown = number.z > 0u ? number.zw : number.xy;
+    uvec2 shown = number.xy + number.zw;
     float wrong = float(shown.x - shown.y) / float(max(shown.x, 1u));
+    bool surface = texelFetch(depth, pixel, 0).r > 0.0;
     vec3 hue = clamp(vec3(2.0 * wrong - 1.0, 1.0 - abs(2.0 * wrong - 1.0), 1.0 - 2.0 * wrong), 0.0, 1.0);
-    imageStore(picture, pixel, vec4(linear_to_srgb(hue * min(float(shown.x) / 256.0, 1.0)), 1.0));
+    imageStore(picture, pixel, vec4(linear_to_srgb(hue * (surface ? min(float(shown.x) / 256.0, 1.0) : 0.0)), 1.0));
 }

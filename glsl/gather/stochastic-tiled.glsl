@@ -21,6 +21,8 @@ uniform sampler2D albedo;
 uniform sampler2D metallic_roughness;
 layout(rgba16f) writeonly uniform image2D reflection; // radiance that the pixels' own gloss reflects to the eye
 
+// By how much squared distances may be over: lobes of alpha 0.001 round to ends of ranges 1.6 % outside of their spheroids.
+const float ALLOWANCE = 1.05;
 const uint TILE = 16u;
 const uint WORDS = 32u; // of a list: 1024 VPLs at a time
 const uint INVOCATIONS = 64u;
@@ -74,19 +76,20 @@ float squared_distance(Part part, vec3 row0, vec3 row1, float depth, vec3 point)
     high.y = max(most * part.low.z, most * part.high.z);
     low.z = depth * part.low.z;
     high.z = depth * part.high.z;
-    // Rounding moves both by far less than this.
-    vec3 slack = 2e-6 * max(max(abs(low), abs(high)), abs(point));
+    // Rounding moves both by far less than this: here, and in the world, far from whose origin places are coarse.
+    vec3 slack = 2e-6 * max(max(abs(low), abs(high)), abs(point)) +
+                 4e-7 * (largest(abs(view.it.position)) + view.it.diagonal) * vec3(dot(abs(row0), vec3(1.0)), dot(abs(row1), vec3(1.0)), depth);
     vec3 off = max(max(low - slack - point, point - high - slack), 0.0);
     return dot(off, off);
 }
 
 bool meets_sphere(Part part, vec4 sphere) {
     return part.low.z <= part.high.z && sphere.w > 0.0 &&
-           squared_distance(part, vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), 1.0, sphere.xyz) <= sphere.w * sphere.w * 1.001;
+           squared_distance(part, vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), 1.0, sphere.xyz) <= sphere.w * sphere.w * ALLOWANCE;
 }
 
 bool meets_spheroid(Part part, Spheroid it) {
-    return part.low.z <= part.high.z && it.depth != 0.0 && squared_distance(part, it.row0, it.row1, it.depth, it.centre) <= 1.001;
+    return part.low.z <= part.high.z && it.depth != 0.0 && squared_distance(part, it.row0, it.row1, it.depth, it.centre) <= ALLOWANCE;
 }
 
 void store(Receiver r) {

@@ -21,8 +21,11 @@ vec3 lobe_fresnel(vec3 f0, float f90, float cosine) {
 vec3 lobe_intensity(vec3 flux, vec3 f0, float f90, float alpha, vec3 n, vec3 wi, vec3 wo) {
     float no = dot(n, wo);
     if (no <= 0.0) return vec3(0.0);
-    vec3 h = normalize(wi + wo);
-    return flux * lobe_fresnel(f0, f90, dot(wi, h)) * (ggx(alpha, max(dot(n, h), 0.0), dot(n, wi), no) * no);
+    vec3 h = normalize(wi + wo), off = cross(n, h);
+    // The distribution by the sine: by the cosine alone it rounds to more than its peak where alpha is small, and bounds would not hold.
+    float a2 = alpha * alpha, nh = dot(n, h), ni = dot(n, wi), d = a2 * nh * nh + dot(off, off);
+    float v = 0.5 * no / max(ni * sqrt(no * no * (1.0 - a2) + a2) + no * sqrt(ni * ni * (1.0 - a2) + a2), 1e-7);
+    return flux * lobe_fresnel(f0, f90, dot(wi, h)) * (a2 / (PI * d * d) * v);
 }
 
 float largest(vec3 v) { return max(v.r, max(v.g, v.b)); }

@@ -59,6 +59,6 @@ void put(uint index, ivec3 at, float texels) {
     points.at[index] = point;
     intensities.at[index] = intensity;
     areas.at[index] = area;
-    if (any(greaterThan(intensity, vec3(0.0)))) atomicAdd(lit.count, 1u);
+    if (area > 0.0) atomicAdd(lit.count, 1u);
 }
 #endif

@@ -1,7 +1,7 @@
 //! `manylight bench CONFIG`: how long frames take, pass by pass.
 
 use super::progress::Progress;
-use super::{counts, load_config, open, prepare_trace, provenance};
+use super::{counts, load_config, means, open, prepare_trace, provenance};
 use crate::cli::BenchArgs;
 use crate::output::{RunReport, prepare_folder, write_file};
 use crate::renderer::{Renderer, needs_rays, timing};
@@ -56,13 +56,15 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     });
 
     let from = provenance(&args.config, &config, &renderer);
+    let counted = counts(&renderer, &config, Some(first_pass_ms), &rendered.counts);
     let report = RunReport {
         from: from.clone(),
         seed: u64::from(config.frame.seed),
         frames: args.runs,
         warmup,
         timings: Timings::of(&times),
-        counts: counts(&renderer, &config, Some(first_pass_ms), &rendered.counts),
+        means: means(&counted),
+        counts: counted,
         memory: Memory::of(&rendered.memory),
         checks: BTreeMap::new(),
         warnings,

@@ -2,7 +2,7 @@
 
 use super::progress::Progress;
 use super::render::layers;
-use super::{counts, provenance};
+use super::{counts, means, provenance};
 use crate::config::Config;
 use crate::fail;
 use crate::graph::Execution;
@@ -51,13 +51,15 @@ impl Measured {
         let metadata = [("version", from.version.clone()), ("preset", from.preset.clone()), ("device", from.device.name.clone())];
         write_exr(&folder.join("image.exr"), width, height, layers(picture, &config.output.layers), &metadata)?;
         write_file(&folder.join("timings.csv"), &timings_csv(&self.times, &from)?)?;
+        let counted = counts(renderer, config, None, &self.last.counts);
         let report = RunReport {
             from,
             seed: u64::from(config.frame.seed),
             frames: config.frame.count,
             warmup: config.frame.warmup,
             timings: Timings::of(&self.times),
-            counts: counts(renderer, config, None, &self.last.counts),
+            means: means(&counted),
+            counts: counted,
             memory: Memory::of(&self.last.memory),
             checks: BTreeMap::new(),
             warnings: [renderer.warnings(config), self.last.warnings()].concat(),

@@ -82,6 +82,23 @@ fn counts(renderer: &Renderer, config: &Config, first_pass_ms: Option<u64>, coun
     known.chain(counted.iter().cloned()).collect()
 }
 
+/// What `gather.statistics` says: VPLs on a pixel's lists and those of them that shine there, and what share of the former is wrong (the
+/// false discovery rate).
+fn means(counts: &BTreeMap<String, u64>) -> BTreeMap<String, f64> {
+    let of = |name: &str| counts.get(name).map(|count| *count as f64);
+    let mut means = BTreeMap::new();
+    let Some(pixels) = of("gather/pixels").filter(|pixels| *pixels > 0.0) else { return means };
+    for kind in ["diffuse", "glossy"] {
+        let [listed, lit] = ["listed", "lit"].map(|what| format!("gather/{kind}-{what}"));
+        if let (Some(on_list), Some(shining)) = (of(&listed), of(&lit)) {
+            means.insert(listed, on_list / pixels);
+            means.insert(lit, shining / pixels);
+            means.insert(format!("gather/{kind}-false-discovery"), if on_list > 0.0 { 1.0 - shining / on_list } else { 0.0 });
+        }
+    }
+    means
+}
+
 /// Where the figures of a run come from.
 fn provenance(path: &Path, config: &Config, renderer: &Renderer) -> Provenance {
     let adapter = &renderer.gpu().adapter;
@@ -118,5 +135,19 @@ fn short(figure: f64) -> String {
         small if small.abs() < 1e-3 => format!("{small:.3e}"),
         large if large.abs() >= 1e5 => format!("{large:.3e}"),
         figure => format!("{figure:.4}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_are_there_where_lights_were_counted() {
+        assert!(means(&[("vpls/count".to_owned(), 7)].into()).is_empty());
+        let counts = [("pixels", 4), ("diffuse-listed", 0), ("diffuse-lit", 0), ("glossy-listed", 10), ("glossy-lit", 4)];
+        let means = means(&counts.map(|(name, count)| (format!("gather/{name}"), count)).into());
+        assert_eq!((means["gather/glossy-listed"], means["gather/glossy-lit"], means["gather/diffuse-false-discovery"]), (2.5, 1.0, 0.0));
+        assert!((means["gather/glossy-false-discovery"] - 0.6).abs() < 1e-12);
     }
 }

@@ -1,7 +1,7 @@
 //! `manylight render CONFIG`: pictures, layers, times, and a record of how they came about.
 
 use super::progress::Progress;
-use super::{counts, load_config, no_frames, open, prepare_trace, provenance};
+use super::{counts, load_config, means, no_frames, open, prepare_trace, provenance};
 use crate::cli::RenderArgs;
 use crate::config::{Centers, Layer as LayerName};
 use crate::fail;
@@ -100,13 +100,15 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     if args.validate {
         checks.insert("validation".to_owned(), serde_json::json!(messages));
     }
+    let counted = counts(&renderer, &config, Some(first_pass_ms), &rendered.counts);
     let report = RunReport {
         from: from.clone(),
         seed: u64::from(config.frame.seed),
         frames: frames.len() as u32,
         warmup: config.frame.warmup,
         timings: Timings::of(&times),
-        counts: counts(&renderer, &config, Some(first_pass_ms), &rendered.counts),
+        means: means(&counted),
+        counts: counted,
         memory: Memory::of(&rendered.memory),
         checks,
         warnings,

@@ -78,6 +78,10 @@ pub fn values(config: &Config, root: &Node) -> Result<()> {
             let message = "splats and conservative clusters are there to be timed, and have no shadows; take visibility.method = \"none\"";
             return fail("gather.culling".to_owned(), message.to_owned());
         }
+        if config.gather.statistics && config.gather.culling == Culling::Splatting {
+            let message = "splats are on no list to be counted; take another gather.culling";
+            return fail("gather.statistics".to_owned(), message.to_owned());
+        }
         if config.gather.bounds == Bounds::None {
             let message = "\"none\" leaves nothing to draw; take another, or gather.culling = \"stochastic-tiled\"";
             return fail("gather.bounds".to_owned(), message.to_owned());

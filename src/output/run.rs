@@ -22,6 +22,9 @@ pub struct RunReport {
     pub timings: Timings,
     /// What passes counted in the last frame: triangles drawn, VPLs, look-ups.
     pub counts: BTreeMap<String, u64>,
+    /// What follows from the counts: means a pixel, and shares.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub means: BTreeMap<String, f64>,
     /// Bytes of the resources of the last frame's own, each and by stage.
     pub memory: Memory,
     /// What was checked, by name, and what came of it (`{"check-nan": {"gather/per-pixel": 0}}`).
@@ -65,6 +68,7 @@ mod tests {
             warmup: 2,
             timings: Timings::of(&times(&[(0, "gbuffer/draw", 1.0), (1, "gbuffer/draw", 2.0)])),
             counts: [("gather/vpls".to_owned(), 1024)].into(),
+            means: [("gather/glossy-listed".to_owned(), 2.5)].into(),
             memory: Memory::of(&[("rsm/depth".to_owned(), 16), ("rsm/flux".to_owned(), 64)]),
             checks: [("check-nan".to_owned(), json!({ "gather/per-pixel": 0 }))].into(),
             warnings: vec!["unused extension".into()],
@@ -96,6 +100,7 @@ mod tests {
                 "warmup": 2,
                 "timings": { "stages": [named("gbuffer")], "passes": [named("gbuffer/draw")], "total": statistics },
                 "counts": { "gather/vpls": 1024 },
+                "means": { "gather/glossy-listed": 2.5 },
                 "memory": { "resources": { "rsm/depth": 16, "rsm/flux": 64 }, "stages": { "rsm": 80 } },
                 "checks": { "check-nan": { "gather/per-pixel": 0 } },
                 "warnings": ["unused extension"],

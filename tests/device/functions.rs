@@ -547,35 +547,38 @@ fn spheroids_contain_where_ggx_lobes_may_shine_and_touch_it() {
     // A lobe a case: alpha, incidence and reflectance; 48 directions of it, most about its peak. Where the lobe's range ends there
     // must be inside of its bounds: nearer than 1 in the space that makes a unit sphere of them.
     let body = "
-        float alpha = 0.02 * pow(50.0, v.x), ti = acos(1.0 - v.y * 0.999), delta_xi = exp2(-20.0 * v.w);
-        vec3 n = normalize(vec3(v.x - 0.5, v.y - 0.5, v.z - 0.3)), t = normalize(cross(n, abs(n.x) < 0.5 ? vec3(1, 0, 0) : vec3(0, 1, 0))), b = cross(n, t);
-        vec3 wi = cos(ti) * n + sin(ti) * (cos(9.0 * v.w) * t + sin(9.0 * v.w) * b);
-        vec3 f0 = 0.02 + 0.98 * fract(v.zwx * vec3(7.0, 11.0, 13.0)), flux = vec3(0.1, 1.0, 3.0) * (0.1 + v.yzw);
-        vec3 q = vec3(3.0, -2.0, 8.0) * (v.zxy - 0.4);
+        vec4 a = random(w.x, w.y, 1u, w.z), b4 = random(w.x, w.y, 2u, w.z), c4 = random(w.x, w.y, 4u, w.z);
+        float alpha = LEAST * pow(1.0 / LEAST, a.x), ti = acos(1.0 - a.y * 0.9995), delta_xi = exp2(-20.0 * a.z);
+        vec3 n = normalize(b4.xyz - vec3(0.5, 0.5, 0.3)), t = normalize(cross(n, abs(n.x) < 0.5 ? vec3(1, 0, 0) : vec3(0, 1, 0))), b = cross(n, t);
+        vec3 wi = cos(ti) * n + sin(ti) * (cos(6.2831853 * a.w) * t + sin(6.2831853 * a.w) * b);
+        vec3 f0 = 0.02 + 0.98 * c4.xyz, flux = vec3(0.1, 1.0, 3.0) * (0.1 + v.yzw), q = vec3(3.0, -2.0, 8.0) * (v.zxy - 0.4);
         Spheroid it = lobe_bounds(q, n, wi, flux, f0, 1.0, alpha, delta_xi);
         float farthest = 0.0;
         for (uint k = 0u; k < 48u; k++) {
             vec4 u = random(w.x, k, 3u, w.w);
-            float th = (k & 3u) == 0u ? acos(u.x) : atan(alpha * sqrt(u.x / (1.0001 - u.x)) * ((k & 3u) == 1u ? 0.3 : 1.0));
+            // Anywhere, about the peak near and far, and the peak itself.
+            float th = (k & 3u) == 0u ? acos(u.x) : (k & 3u) == 3u ? 0.0 : atan(alpha * sqrt(u.x / (1.0001 - u.x)) * ((k & 3u) == 1u ? 0.3 : 1.0));
             vec3 h = cos(th) * n + sin(th) * (cos(6.2831853 * u.y) * t + sin(6.2831853 * u.y) * b);
-            vec3 wo = (k & 3u) == 0u ? h : reflect(-wi, h);
+            vec3 wo = normalize((k & 3u) == 0u ? h : reflect(-wi, h));
             if (dot(wo, n) <= 0.0) continue;
-            vec3 intensity = lobe_intensity(flux, f0, 1.0, alpha, n, wi, wo);
-            float l = sqrt(largest(intensity) / delta_xi);
-            vec3 p = q + l * wo;
+            vec3 p = q + sqrt(largest(lobe_intensity(flux, f0, 1.0, alpha, n, wi, wo)) / delta_xi) * wo;
             vec3 s = vec3(dot(it.row0, p), dot(it.row1, p), it.depth * p.z) - it.centre;
-            // In the units of the spheroid; places far off are given to so many digits.
+            // Places far off are given to so many digits.
             farthest = max(farthest, length(s) - 4e-7 * length(vec3(dot(abs(it.row0), abs(p)), dot(abs(it.row1), abs(p)), it.depth * abs(p.z))));
         }
         r.x = farthest;";
-    let found = numbers(body, &random_numbers(100_000));
-    let farthest = found.iter().map(|r| r[0]).fold(0.0, f32::max);
-    let near = found.iter().filter(|r| r[0] > 0.9).count();
-    println!(
-        "the farthest of 4,800,000 ends of ranges is at {farthest:.4} of the spheroid's surface; {near} of 100,000 lobes come nearer than 0.9"
-    );
-    assert!(farthest <= 1.001, "a lobe reaches out of its spheroid, to {farthest}");
-    assert!(near > 10_000, "spheroids are loose: {near} of 100,000 lobes come near theirs");
+    // The paper's roughnesses, and down to those that materials are held to, where single precision is at its end:
+    // tiles and bounding geometry allow for 2.4 % more.
+    for (least, most) in [("0.02", 1.0005), ("0.001", 1.02)] {
+        let found = numbers(&body.replace("LEAST", least), &random_numbers(100_000));
+        let farthest = found.iter().map(|r| r[0]).fold(0.0, f32::max);
+        let near = found.iter().filter(|r| r[0] > 0.9).count();
+        println!(
+            "alpha from {least}: the farthest of 4,800,000 ends of ranges is at {farthest:.5} of the spheroid's surface; {near} of 100,000 lobes come nearer than 0.9"
+        );
+        assert!(farthest <= most, "a lobe reaches out of its spheroid, to {farthest}");
+        assert!(near > 10_000, "spheroids are loose: {near} of 100,000 lobes come near theirs");
+    }
 }
 
 #[test]

@@ -94,7 +94,7 @@ fn the_preset_culls_as_much_as_it_says_and_repeats_its_bytes() {
 }
 
 #[test]
-fn ellipsoids_list_a_tenth_of_the_wrong_vpls_of_spheres_around_them() {
+fn ellipsoids_list_a_tenth_of_the_wrong_vpls_that_spheres_around_vpls_list() {
     for roughness in [0.02, 0.05, 0.1] {
         let (scene, mut config) = metal(roughness);
         config.gather.statistics = true;
@@ -182,7 +182,7 @@ fn chance_takes_no_light_away_on_average_and_clamped_ranges_do() {
 fn a_wall_of_rough_metal_lights_a_box_as_the_path_tracer_says() {
     const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
     let mut scene = room(&walls(SIZE, [DVec3::ZERO; 6]));
-    // Metal throws the light of the lamp at the other walls, which are black to all but the eye: their irradiance is compared.
+    // Metal throws the light of the lamp at the other walls.
     let wall = scene.draws[4].material as usize;
     scene.materials[wall] =
         Material { base_color: [0.9, 0.7, 0.4, 1.0], metallic: 1.0, roughness: 0.3f32.sqrt(), ..scene.materials[wall].clone() };
@@ -198,6 +198,7 @@ fn a_wall_of_rough_metal_lights_a_box_as_the_path_tracer_says() {
     config.gather.min_distance = 0.0;
     config.gather.delta = 1e-6;
     config.visibility.method = VisibilityMethod::RayTraced;
+    let mut scene_without = scene.clone();
     let mut renderer = traced(scene);
     let sums = reference(&mut renderer, &config, centered(1), 512);
     let expected = sums.mean(Layer::Bounce(1));
@@ -210,12 +211,81 @@ fn a_wall_of_rough_metal_lights_a_box_as_the_path_tracer_says() {
         x.z > 0.3 && [x, SIZE - x].iter().flat_map(|d| d.to_array()).filter(|d| *d < 0.3).count() <= 1
     };
     let ratio = mean(&found, matte) / mean(&expected, matte);
-    config.vpls.reflection = Reflection::Diffuse;
-    let diffuse = crate::common::picture(&mut renderer, &config);
-    let diffuse: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| diffuse.indirect.at(i)).collect();
-    println!("{ratio:.4} of the path tracer's; {:.4} without the metal", mean(&diffuse, matte) / mean(&expected, matte));
+    // The metal alone, against the path tracer's picture less that of a wall that reflects nothing.
+    config.vpls.reflection = Reflection::Glossy;
+    let glossy = crate::common::picture(&mut renderer, &config);
+    let glossy: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| glossy.indirect.at(i)).collect();
+    finish(renderer.gpu());
+    drop(renderer);
+    scene_without.materials[wall].base_color = [0.0, 0.0, 0.0, 1.0];
+    let mut without = traced(scene_without);
+    let dark = reference(&mut without, &config, centered(1), 512).mean(Layer::Bounce(1));
+    let by_metal = mean(&expected, matte) - mean(&dark, matte);
+    let of_metal = mean(&glossy, matte) / by_metal;
+    println!(
+        "{ratio:.4} of the path tracer's; of the metal's light alone {of_metal:.4}; it is {:.2} of all",
+        by_metal / mean(&expected, matte)
+    );
     assert!((ratio - 1.0).abs() < 0.03, "{ratio} of the path tracer's");
-    assert!(mean(&diffuse, matte) < 0.8 * mean(&expected, matte), "the metal is too little to tell");
+    assert!((of_metal - 1.0).abs() < 0.03, "{of_metal} of the path tracer's light from metal");
+    assert!(by_metal > 0.5 * mean(&expected, matte), "the metal is too little to tell");
+    finish(without.gpu());
+}
+
+#[test]
+fn a_floor_of_rough_metal_reflects_vpls_as_the_path_tracer_says() {
+    const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
+    let mut scene = room(&walls(SIZE, [DVec3::splat(0.6); 6]));
+    let floor = scene.draws[2].material as usize;
+    scene.materials[floor] =
+        Material { base_color: [0.9, 0.7, 0.4, 1.0], metallic: 1.0, roughness: 0.4f32.sqrt(), ..scene.materials[floor].clone() };
+    let lamp = spot(Vec3::new(2.4, 1.2, 2.0), Vec3::new(-0.25, 0.2, -1.0), [30.0, 25.0, 20.0], 20.0, 30.0);
+    let mut config = plain([64, 64], Vec3::new(2.0, 1.8, 4.7), Vec3::new(2.0, 0.0, 2.0), 70.0, lamp);
+    config.rsm.size = [128, 128];
+    stochastic(&mut config);
+    config.gather.interleave = 1;
+    config.gather.min_distance = 0.0;
+    config.gather.delta = 1e-6;
+    config.gather.receiver = manylight::config::Receiver::Ggx;
+    config.visibility.method = VisibilityMethod::RayTraced;
+    let mut renderer = traced(scene);
+    let sums = reference(&mut renderer, &config, centered(1), 256);
+    let expected = sums.mean(Layer::Bounce(1));
+    let picture = picture(&mut renderer, &config);
+    let found: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| picture.indirect.at(i)).collect();
+    let positions = picture.positions();
+    let on_metal = |i: usize| positions[i].y < 0.01 && positions[i].z > 0.4;
+    let ratio = mean(&found, on_metal) / mean(&expected, on_metal);
+    println!("the floor reflects {ratio:.4} of what the path tracer's does");
+    assert!(positions.iter().filter(|p| p.y < 0.01).count() > 500);
+    assert!((ratio - 1.0).abs() < 0.03, "the floor reflects {ratio} of what the path tracer's does");
+    finish(renderer.gpu());
+}
+
+#[test]
+fn nothing_is_lost_at_any_interleaving_odd_size_and_light() {
+    let (scene, mut config) = metal(0.1);
+    let point = manylight::config::LightConfig::Point { position: [0.3, 1.4, 0.6], intensity: [8.0, 7.0, 6.0], keyframes: Vec::new() };
+    let sun = directional(Vec3::new(-0.4, -1.0, -0.3), [4.0, 4.0, 3.5]);
+    let mut renderer = renderer(scene);
+    for (interleave, size, lights) in
+        [(1, [77, 51], vec![sun.clone()]), (2, [131, 67], vec![point.clone()]), (8, [203, 117], vec![sun, point])]
+    {
+        config.frame.size = size;
+        config.gather.interleave = interleave;
+        config.light = lights;
+        config.rsm.size = [32, 24];
+        config.gather.culling = Culling::StochasticTiled;
+        config.gather.bounds = Bounds::None;
+        let every = irradiance(&mut renderer, &config);
+        config.gather.bounds = Bounds::Ellipsoid;
+        assert!(irradiance(&mut renderer, &config) == every, "{size:?} by {interleave} loses light");
+        for culling in [Culling::Splatting, Culling::ConservativeClusters] {
+            config.gather.culling = culling;
+            let pixels = apart(&irradiance(&mut renderer, &config), &every);
+            assert!(pixels == 0, "{culling:?} differs in {pixels} pixels of {size:?} by {interleave}");
+        }
+    }
     finish(renderer.gpu());
 }
 

@@ -167,6 +167,7 @@ impl Run<'_> {
             frames: traced.times.len() as u32,
             warmup: 0,
             timings: Timings::of(&traced.times),
+            means: BTreeMap::new(),
             counts: counts.map(|(name, count)| (name.to_owned(), count)).into(),
             memory: Memory::of(&traced.memory),
             checks: self.checks(settings, traced.error),

@@ -3,6 +3,7 @@
 mod rivals;
 mod stochastic;
 
+pub use rivals::shell_bytes;
 pub use stochastic::Roulette;
 
 use super::gbuffer::GBuffer;
@@ -51,6 +52,9 @@ shader_struct! {
 /// llvmpipe ends an invocation's loops after 65,535 turns in all, without a word; `glsl/gather/per-pixel.glsl` takes at most
 /// two turns for four VPLs.
 pub const MOST_VPLS_A_PIXEL: u64 = 100_000;
+
+/// Turns of its loops that an invocation of stochastic culling may make: for each VPL of its pixel one a list, and less than one beside.
+pub const MOST_TURNS: u64 = 60_000;
 
 /// Indirect light at the pixels.
 #[derive(Debug, Clone, Copy)]

@@ -28,6 +28,12 @@ const SLICES: u32 = 32;
 /// Nodes of the light lists: half of the paper's 256 MB, which is as large as every driver lets a buffer be.
 const NODES: u32 = 1 << 24;
 
+/// Bytes of what [`conservative_clusters`] keeps of one kind of VPLs: two words for each and each tile of its sample set.
+pub fn shell_bytes(size: [u32; 2], interleave: u32, vpls: u32) -> u64 {
+    let [across, down] = size.map(|side| u64::from(side.div_ceil(interleave).div_ceil(TILE)));
+    8 * across * down * u64::from(vpls)
+}
+
 /// Bounds of both kinds of VPLs, for a pass that tells them apart by its constant `GLOSSY`.
 fn bounds(g: &mut Graph, shells: &Shells, vpls: &Vpls, shell: Shell, far_sides: bool) -> Vec<DrawList> {
     let mut lists = Vec::new();

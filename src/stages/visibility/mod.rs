@@ -9,6 +9,7 @@ mod shared;
 
 pub use ism::{Ism, partition_capacity};
 pub use ray_traced::BITS;
+pub use shared::MOST_TEXELS_A_MAP;
 
 use super::bounce::{Bounce, Clusters};
 use super::gbuffer::GBuffer;

@@ -15,6 +15,9 @@ shader_struct! {
     }
 }
 
+/// llvmpipe ends an invocation's loops after 65,535 turns in all; `glsl/visibility/proxies.comp` takes about nine for a texel.
+pub const MOST_TEXELS_A_MAP: u64 = 4096;
+
 /// Blocks of a map's texels, as square as may be, of which all layers have at most `maps`.
 fn blocks(size: [u32; 2], layers: u32, maps: u32) -> [u32; 2] {
     let each = (maps / layers).max(1);
