@@ -3,6 +3,7 @@
 // What samplers of the reflective shadow maps share: which map a sample is of, and the VPL that a texel makes. Whoever includes it defines
 //     bool put_lobe(uint index, ivec3 at, float texels, vec3 position);
 // whether there is a glossy VPL beside the diffuse one, which it stores; a texel without a surface has the layer -1.
+#include "lib/brdf.glsl"
 #include "lib/light.glsl"
 #include "lib/packing.glsl"
 #include "lib/permutation.glsl"
@@ -25,8 +26,6 @@ layout(scalar) writeonly buffer Points { VplPoint at[]; } points;
 layout(scalar) writeonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) writeonly buffer Areas { float at[]; } areas;
 layout(scalar) buffer Lit { uint count; } lit;
-
-const float VPL_PI = 3.14159265358979;
 
 bool put_lobe(uint index, ivec3 at, float texels, vec3 position);
 
@@ -52,7 +51,7 @@ void put(uint index, ivec3 at, float texels) {
         point.position = light_position(lights.at[at.z], ndc, depth);
         point.normal = octahedral_snorm16(octahedral_inverse(texelFetch(rsm_normal, at, 0).xy));
         area = texels * texel_beam(lights.at[at.z], ndc, point.position);
-        intensity = texelFetch(rsm_flux, at, 0).rgb * texelFetch(rsm_albedo, at, 0).rgb * (texels / VPL_PI);
+        intensity = texelFetch(rsm_flux, at, 0).rgb * texelFetch(rsm_albedo, at, 0).rgb * (texels / PI);
     }
     bool glossy = put_lobe(index, depth > 0.0 ? at : ivec3(-1), texels, point.position);
     if (all(equal(intensity, vec3(0.0))) && !glossy) area = 0.0;

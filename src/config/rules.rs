@@ -1,11 +1,10 @@
 //! What no single key can say: keys that exclude or need each other, keyframes in order, lights and cameras that look somewhere.
 
-use super::VisibilityMethod;
 use super::check::error;
 use super::tree::{Node, Origin, Table, Value};
 use super::{
     Bounds, Builtin, CameraConfig, Collect, Config, Culling, Emitters, IsmRenderer, LightConfig, LightKeyframe, PointSet, Receiver,
-    Reflection, VisibilityConfig,
+    Reflection, VisibilityConfig, VisibilityMethod,
 };
 use anyhow::Result;
 use glam::DVec3;

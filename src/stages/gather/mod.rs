@@ -96,20 +96,21 @@ pub fn indirect(
         })
     };
     let images: Vec<Indirect> = lights.iter().zip(1..).map(of_bounce).collect();
-    let irradiance = total(g, "gather/sum", images.iter().map(|light| light.irradiance)).expect("there is a bounce at least");
-    let reflection = total(g, "gather/reflection-sum", images.iter().filter_map(|light| light.reflection));
+    let irradiance =
+        total(g, ["gather/add", "gather/sum"], images.iter().map(|light| light.irradiance)).expect("there is a bounce at least");
+    let reflection = total(g, ["gather/add-reflection", "gather/reflection-sum"], images.iter().filter_map(|light| light.reflection));
     Indirect { irradiance, reflection }
 }
 
-/// All of some images.
-fn total(g: &mut Graph, name: &'static str, mut images: impl Iterator<Item = Image>) -> Option<Image> {
+/// All of some images; the names are the pass's and the sum's.
+fn total(g: &mut Graph, names: [&'static str; 2], mut images: impl Iterator<Item = Image>) -> Option<Image> {
     let first = images.next()?;
-    Some(images.zip(1..).fold(first, |sum, (image, time)| g.again(time, |g| add(g, name, sum, image))))
+    Some(images.zip(1..).fold(first, |sum, (image, time)| g.again(time, |g| add(g, names, sum, image))))
 }
 
-fn add(g: &mut Graph, name: &'static str, first: Image, second: Image) -> Image {
+fn add(g: &mut Graph, [pass, name]: [&'static str; 2], first: Image, second: Image) -> Image {
     let sum = g.image(name, Format::Rgba16Float, first.size);
-    g.compute(if name == "gather/sum" { "gather/add" } else { "gather/add-reflection" })
+    g.compute(pass)
         .shader("gather/add")
         .reads("first", first)
         .reads("second", second)
