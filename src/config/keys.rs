@@ -2,9 +2,9 @@
 //! it, and the README's table is made from it; the defaults come from the types.
 
 use super::{
-    BounceVisibility, Bounds, Builtin, Centers, Collect, Config, Culling, Dielectric, Emitters, FilterKind, GatherMethod, Interpolation,
-    IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Receiver, Reflection, Representative, RouletteChoice, Shadows, Shares,
-    SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityMethod, VplSampler,
+    BounceVisibility, Bounds, Builtin, Centers, Collect, Config, Culling, Dielectric, Emitters, FilterKind, GatherMethod, Importance,
+    Interpolation, IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Receiver, Reflection, Representative, RouletteChoice, Shadows,
+    Shares, SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityMethod, VplSampler,
 };
 use serde::Deserialize;
 use serde::de::{self, Visitor};
@@ -250,6 +250,11 @@ fn list() -> Vec<KeyInfo> {
         absent("rsm.box.max", Point, "the scene's bounds", "Upper corner of that box"),
         key("vpls.sampler", Choice(choices::<VplSampler>()), "How texels are chosen to be virtual point lights"),
         key("vpls.count", Whole { min: 1, max: 1_048_576 }, "Virtual point lights in all; `\"every-texel\"` has its own number"),
+        key(
+            "vpls.importance",
+            Choice(choices::<Importance>()),
+            "Where texels are likelier to be chosen, by `\"hammersley\"`: nowhere, or where light stays in the scene",
+        ),
         key(
             "vpls.reflection",
             Choice(choices::<Reflection>()),

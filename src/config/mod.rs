@@ -18,9 +18,9 @@ pub use load::{load, parse, to_toml};
 pub use scene::{Builtin, CameraConfig, CameraKeyframe, Interpolation, LightConfig, LightKeyframe, SceneConfig, SceneSelector};
 pub use stages::{
     BounceConfig, BounceVisibility, Bounds, BoxConfig, Centers, Collect, ComposeConfig, Culling, Dielectric, DirectConfig, Emitters,
-    FilterConfig, FilterKind, FrameConfig, GatherConfig, GatherMethod, IsmRenderer, Layer, Layers, Lookup, MaterialsConfig, OutputConfig,
-    Pattern, PointSet, Receiver, Reflection, Representative, RouletteChoice, RsmConfig, Shadows, Shares, SsaoConfig, SsaoMethod,
-    SsaoResolution, TimingMode, Tonemap, VisibilityConfig, VisibilityMethod, VplSampler, VplsConfig,
+    FilterConfig, FilterKind, FrameConfig, GatherConfig, GatherMethod, Importance, IsmRenderer, Layer, Layers, Lookup, MaterialsConfig,
+    OutputConfig, Pattern, PointSet, Receiver, Reflection, Representative, RouletteChoice, RsmConfig, Shadows, Shares, SsaoConfig,
+    SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityConfig, VisibilityMethod, VplSampler, VplsConfig,
 };
 
 use serde::{Deserialize, Serialize};

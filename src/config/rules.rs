@@ -3,8 +3,8 @@
 use super::check::error;
 use super::tree::{Node, Origin, Table, Value};
 use super::{
-    Bounds, Builtin, CameraConfig, Collect, Config, Culling, Emitters, IsmRenderer, LightConfig, LightKeyframe, PointSet, Receiver,
-    Reflection, VisibilityConfig, VisibilityMethod,
+    Bounds, Builtin, CameraConfig, Collect, Config, Culling, Emitters, Importance, IsmRenderer, LightConfig, LightKeyframe, PointSet,
+    Receiver, Reflection, VisibilityConfig, VisibilityMethod, VplSampler,
 };
 use anyhow::Result;
 use glam::DVec3;
@@ -67,6 +67,10 @@ pub fn values(config: &Config, root: &Node) -> Result<()> {
             "scene.triangles".to_owned(),
             format!("{} is too few for the atrium, expected 10000 to 8000000", config.scene.triangles),
         );
+    }
+    if config.vpls.importance != Importance::None && config.vpls.sampler != VplSampler::Hammersley {
+        let message = "only Hammersley's points are drawn by importance; take vpls.sampler = \"hammersley\"";
+        return fail("vpls.importance".to_owned(), message.to_owned());
     }
     if config.vpls.reflection != Reflection::Diffuse && !config.gather.culling.is_stochastic() {
         let message = "glossy virtual point lights are summed by stochastic culling alone; take gather.culling = \"stochastic-tiled\"";

@@ -88,12 +88,13 @@ pub struct VplsConfig {
     pub sampler: VplSampler,
     /// Virtual point lights in all, 1 to 1,048,576; of every texel there are as many as texels.
     pub count: u32,
+    pub importance: Importance,
     pub reflection: Reflection,
 }
 
 impl Default for VplsConfig {
     fn default() -> Self {
-        Self { sampler: VplSampler::Regular, count: 1024, reflection: Reflection::Diffuse }
+        Self { sampler: VplSampler::Regular, count: 1024, importance: Importance::None, reflection: Reflection::Diffuse }
     }
 }
 
@@ -107,6 +108,17 @@ pub enum VplSampler {
     Hammersley,
     /// All of them.
     EveryTexel,
+}
+
+/// Where texels are more likely to become virtual point lights, which are weaker for it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Importance {
+    /// Nowhere.
+    #[default]
+    None,
+    /// By what they reflect, and how much of that the map shows to stay in the scene: not on a roof under the sky.
+    PassedFlux,
 }
 
 /// What virtual point lights reflect.

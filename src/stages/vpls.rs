@@ -2,7 +2,7 @@
 
 use super::gbuffer::GBuffer;
 use super::rsm::Rsm;
-use crate::config::{Reflection, VplSampler, VplsConfig};
+use crate::config::{Importance, Reflection, VplSampler, VplsConfig};
 use crate::graph::{Buffer, Graph};
 use crate::shader_struct;
 
@@ -30,6 +30,14 @@ shader_struct! {
         pub f90: f32,
     }
 
+    struct ImportanceParams {
+        size: [u32; 2],
+    }
+
+    struct DistributionParams {
+        layers: u32,
+    }
+
     struct TexelParams {
         size: [u32; 2],
         lights: u32,
@@ -52,20 +60,64 @@ pub struct Vpls {
     pub diffuse: bool,
 }
 
-/// Fills the slot with the config's sampler.
-pub fn sample(g: &mut Graph, rsm: &Rsm, _gbuffer: &GBuffer, config: &VplsConfig) -> Vpls {
-    let diffuse = config.reflection != Reflection::Glossy;
-    match config.sampler {
-        VplSampler::Regular => from_texels(g, ["vpls/regular", "vpls/regular-glossy"], rsm, config.count, diffuse),
-        VplSampler::Hammersley => from_texels(g, ["vpls/hammersley", "vpls/hammersley-glossy"], rsm, config.count, diffuse),
-        VplSampler::EveryTexel => {
-            from_texels(g, ["vpls/every-texel", "vpls/every-texel-glossy"], rsm, rsm.size[0] * rsm.size[1] * rsm.layers, diffuse)
-        }
-    }
+/// Cells of a map's importance along each side of a layer: `glsl/vpls/distribution.glsl`.
+const CELLS: u32 = 64;
+
+/// What samples are drawn from: running sums of the cells' importance.
+#[derive(Debug, Clone, Copy)]
+struct Distribution {
+    columns: Buffer,
+    rows: Buffer,
 }
 
-/// Texels of each light's map, in the order of a fixed permutation; the pass says which, and whether there are glossy ones beside the diffuse. Counts `vpls/lit`, VPLs that have flux.
-fn from_texels(g: &mut Graph, [matte, glossy]: [&'static str; 2], rsm: &Rsm, count: u32, diffuse: bool) -> Vpls {
+/// Fills the slot with the config's sampler. Counts `vpls/lit`, VPLs that have flux.
+pub fn sample(g: &mut Graph, rsm: &Rsm, _gbuffer: &GBuffer, config: &VplsConfig) -> Vpls {
+    let distribution = match config.importance {
+        Importance::None => None,
+        Importance::PassedFlux => Some(passed_flux(g, rsm)),
+    };
+    let (passes, count) = match (config.sampler, distribution) {
+        (VplSampler::Regular, _) => (["vpls/regular", "vpls/regular-glossy"], config.count),
+        (VplSampler::Hammersley, None) => (["vpls/hammersley", "vpls/hammersley-glossy"], config.count),
+        (VplSampler::Hammersley, Some(_)) => (["vpls/important", "vpls/important-glossy"], config.count),
+        (VplSampler::EveryTexel, _) => (["vpls/every-texel", "vpls/every-texel-glossy"], rsm.size[0] * rsm.size[1] * rsm.layers),
+    };
+    from_texels(g, passes, rsm, distribution, count, config.reflection != Reflection::Glossy)
+}
+
+/// Cells of the maps by the flux that they pass on to the scene.
+fn passed_flux(g: &mut Graph, rsm: &Rsm) -> Distribution {
+    let cells = CELLS * CELLS * rsm.layers;
+    let importances = g.buffer::<f32>("vpls/importances", cells);
+    g.compute("vpls/importance")
+        .reads("lights", rsm.lights)
+        .reads("rsm_depth", rsm.depth)
+        .reads("rsm_normal", rsm.normal)
+        .reads("rsm_flux", rsm.flux)
+        .reads("rsm_albedo", rsm.albedo)
+        .writes("importances", importances)
+        .params(&ImportanceParams { size: rsm.size })
+        .dispatch([CELLS, CELLS, rsm.layers]);
+    let distribution =
+        Distribution { columns: g.buffer::<f32>("vpls/columns", cells), rows: g.buffer::<f32>("vpls/rows", CELLS * rsm.layers) };
+    g.compute("vpls/distribution")
+        .reads("importances", importances)
+        .writes("columns", distribution.columns)
+        .writes("rows", distribution.rows)
+        .params(&DistributionParams { layers: rsm.layers })
+        .dispatch_groups([1, 1, 1]);
+    distribution
+}
+
+/// Texels of each light's map, in the order of a fixed permutation; the pass says which, and whether there are glossy ones beside the diffuse.
+fn from_texels(
+    g: &mut Graph,
+    [matte, glossy]: [&'static str; 2],
+    rsm: &Rsm,
+    distribution: Option<Distribution>,
+    count: u32,
+    diffuse: bool,
+) -> Vpls {
     let vpls = Vpls {
         count,
         points: g.buffer::<VplPoint>("vpls/points", count),
@@ -80,6 +132,10 @@ fn from_texels(g: &mut Graph, [matte, glossy]: [&'static str; 2], rsm: &Rsm, cou
             g.compute(glossy).reads("rsm_specular", texels.specular).reads("rsm_lobe", texels.lobe).writes("lobes", lobes)
         }
         _ => g.compute(matte),
+    };
+    let pass = match distribution {
+        Some(distribution) => pass.reads("columns", distribution.columns).reads("rows", distribution.rows),
+        None => pass,
     };
     pass.reads("lights", rsm.lights)
         .reads("rsm_depth", rsm.depth)

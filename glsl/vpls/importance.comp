@@ -1,0 +1,71 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// How much light the surfaces of a map's cell pass on: what they reflect, times the share of their hemisphere in which the map, taken for
+// a height field, shows something. A roof under the sky passes nothing on, a court between walls most of what it gets.
+#include "lib/color.glsl"
+#include "lib/hammersley.glsl"
+#include "lib/light.glsl"
+#include "lib/packing.glsl"
+#include "vpls/distribution.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(scalar, push_constant) uniform Params { ivec2 size; } params; // texels of a map
+
+layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
+uniform sampler2DArray rsm_depth;
+uniform sampler2DArray rsm_normal;
+uniform sampler2DArray rsm_flux;
+uniform sampler2DArray rsm_albedo;
+layout(scalar) writeonly buffer Importances { float at[]; } importances; // of cells, row by row, layer by layer
+
+const float PI = 3.14159265358979;
+const uint TEXELS = 4u; // of a cell that are looked at, two by two
+const uint RAYS = 4u;   // from each
+const uint STEPS = 10u; // of each ray
+// What is not seen to pass light on may do so all the same: nothing that is lit gets no VPLs.
+const float LEAST = 0.01;
+
+// Whether a ray meets what the map shows, which is as thick as can be. The light that leaves a lamp's cone finds the room around it.
+bool meets(Light light, int layer, vec3 from, vec3 way, float texel_width) {
+    float widest = float(max(params.size.x, params.size.y)), t = 2.0 * texel_width;
+    float growth = pow(max(0.5 * widest, 1.0), 1.0 / float(STEPS - 1u));
+    for (uint i = 0u; i < STEPS; i++) {
+        vec4 clip = light.world_to_clip * vec4(from + way * t, 1.0);
+        if (clip.w <= 0.0) return true;
+        vec3 at = clip.xyz / clip.w;
+        if (any(greaterThan(abs(at.xy), vec2(1.0)))) return light.kind != DIRECTIONAL;
+        if (at.z > 1.0) return light.kind != DIRECTIONAL;
+        ivec2 texel = min(ivec2((at.xy * 0.5 + 0.5) * vec2(params.size)), params.size - 1);
+        if (at.z < texelFetch(rsm_depth, ivec3(texel, layer), 0).r) return true;
+        t *= growth;
+    }
+    return false;
+}
+
+void main() {
+    uvec3 cell = gl_GlobalInvocationID;
+    Light light = lights.at[cell.z];
+    float passed = 0.0;
+    for (uint i = 0u; i < TEXELS; i++) {
+        vec2 within = (vec2(i & 1u, i >> 1u) + 0.5) * 0.5;
+        ivec3 texel = ivec3(min(ivec2((vec2(cell.xy) + within) * vec2(params.size) / float(CELLS)), params.size - 1), cell.z);
+        float depth = texelFetch(rsm_depth, texel, 0).r;
+        if (depth == 0.0) continue;
+        vec2 ndc = (vec2(texel.xy) + 0.5) / vec2(params.size) * 2.0 - 1.0;
+        vec3 position = light_position(light, ndc, depth), normal = octahedral_inverse(texelFetch(rsm_normal, texel, 0).xy);
+        float texel_width = sqrt(texel_beam(light, ndc, position));
+        float met = 0.0;
+        for (uint j = 0u; j < RAYS; j++) {
+            // By the cosine: a point of a sphere that touches the surface from below.
+            vec2 u = hammersley(i * RAYS + j, TEXELS * RAYS);
+            float z = 1.0 - 2.0 * u.x, r = sqrt(max(1.0 - z * z, 0.0));
+            vec3 way = normal * 1.001 + vec3(r * cos(2.0 * PI * u.y), r * sin(2.0 * PI * u.y), z);
+            met += float(meets(light, texel.z, position + normal * (2.0 * texel_width), normalize(way), texel_width));
+        }
+        float reflected = luminance(texelFetch(rsm_flux, texel, 0).rgb) * (luminance(texelFetch(rsm_albedo, texel, 0).rgb) + LEAST);
+        passed += reflected * (met / float(RAYS) + LEAST);
+    }
+    importances.at[(cell.z * CELLS + cell.y) * CELLS + cell.x] = passed;
+}
