@@ -18,6 +18,7 @@ struct Shadow {
     vec3 across; // the map's axes
     vec3 up;
     vec3 moved;  // from the VPL to the cluster's place
+    float near;  // half of 1 over how far that is
     int layer;
 };
 
@@ -26,12 +27,13 @@ Shadow shadow_of(uint vpl, vec3 position, vec3 facing) {
     if (label == NO_CLUSTER) label = 0u;
     Cluster cluster = clusters.at[label];
     mat3 axes = hemisphere(octahedral_snorm16_inverse(cluster.normal));
-    return Shadow(axes[0], axes[1], cluster.position - position, int(label));
+    vec3 moved = cluster.position - position;
+    return Shadow(axes[0], axes[1], moved, 0.5 / max(length(moved), 1e-12), int(label));
 }
 
 #define HAND_SHADOW_ROUND(shadow, lane) \
     Shadow(subgroupBroadcast(shadow.across, lane), subgroupBroadcast(shadow.up, lane), subgroupBroadcast(shadow.moved, lane), \
-           subgroupBroadcast(shadow.layer, lane))
+           subgroupBroadcast(shadow.near, lane), subgroupBroadcast(shadow.layer, lane))
 
 float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float to) {
     vec3 to_cluster = way + shadow.moved;
@@ -39,7 +41,8 @@ float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float
     // What lies behind the cluster's plane, and before its VPL's, is compared with the map's rim, the less so the farther behind: VPLs of a
     // bent surface, such as a column, would all lose what their cluster's place cannot see.
     float above = -dot(cross(shadow.across, shadow.up), to_cluster), height = max(above, 0.0);
-    float known = clamp(1.0 + 2.0 * above / max(d, 1e-12), 0.0, 1.0);
+    // Of what is nearer to the VPL than the cluster's place is, the map knows little, and little comes between.
+    float known = clamp(1.0 + 2.0 * above / max(d, 1e-12), 0.0, 1.0) * min(shadow.near * sqrt(squared), 1.0);
     vec2 lateral = -vec2(dot(shadow.across, to_cluster), dot(shadow.up, to_cluster));
     vec2 p = lateral / max(above < 0.0 ? length(lateral) : d + height, 1e-12);
     float size = float(maps_of.size);

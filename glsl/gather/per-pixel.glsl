@@ -10,6 +10,7 @@
 // normal and to the receiver's, both times the length.
 #include "gather/cluster.glsl"
 #include "lib/color.glsl"
+#include "lib/disk.glsl"
 #include "lib/packing.glsl"
 #include "lib/view.glsl"
 #include "lib/vpl.glsl"
@@ -70,8 +71,9 @@ struct Vpl {
 Vpl vpl(uint index, bool there) {
     VplPoint point = points.at[index];
     vec3 facing = octahedral_snorm16_inverse(point.normal);
+    // Disks reach over their neighbours, as the kernels of a reconstruction do: as far as to the diagonal ones of a grid.
     float spread = 0.0;
-    if (DISKS) spread = areas.at[index] / 3.14159265358979;
+    if (DISKS) spread = max(2.0 * areas.at[index], params.squared_min_distance);
     return Vpl(point.position, facing, there ? intensities.at[index] : vec3(0.0), spread, shadow_of(index, point.position, facing));
 }
 
@@ -80,14 +82,14 @@ Vpl hand_round(Vpl mine, uint lane) {
                subgroupBroadcast(mine.spread, lane), HAND_SHADOW_ROUND(mine.shadow, lane));
 }
 
-// A VPL radiates intensity * cosine; d_min bounds what nears infinity as the two points meet. A disk of radius R that has the same
-// intensity in all gives 1 / (d^2 + R^2) on its axis.
+// A VPL radiates intensity * cosine; d_min bounds what nears infinity as the two points meet, and is the least radius of a disk.
 void shade(inout Receiver r, Vpl vpl, float visible) {
     vec3 way = vpl.position - r.position;
     float squared = dot(way, way);
     float from = max(-dot(vpl.facing, way), 0.0), to = max(dot(r.normal, way), 0.0);
-    float weight = from * to * visible / max(squared * max(squared + vpl.spread, params.squared_min_distance), 1e-20);
-    r.sum += vpl.intensity * (weight * lit(vpl.shadow, r.normal, way, squared, from, to));
+    float weight = DISKS ? disk_light(way, vpl.facing, vpl.spread, r.normal)
+                         : from * to / max(squared * max(squared, params.squared_min_distance), 1e-20);
+    r.sum += vpl.intensity * (weight * visible * lit(vpl.shadow, r.normal, way, squared, from, to));
 }
 
 #define HAND_ROUND(lane) { \

@@ -4,7 +4,6 @@
 // How much light the surfaces of a map's cell pass on: what they reflect, times the share of their hemisphere in which the map, taken for
 // a height field, shows something. A roof under the sky passes nothing on, a court between walls most of what it gets.
 #include "lib/color.glsl"
-#include "lib/hammersley.glsl"
 #include "lib/light.glsl"
 #include "lib/packing.glsl"
 #include "vpls/distribution.glsl"
@@ -19,30 +18,12 @@ uniform sampler2DArray rsm_normal;
 uniform sampler2DArray rsm_flux;
 uniform sampler2DArray rsm_albedo;
 layout(scalar) writeonly buffer Importances { float at[]; } importances; // of cells, row by row, layer by layer
+#include "vpls/enclosure.glsl"
 
-const float PI = 3.14159265358979;
 const uint TEXELS = 4u; // of a cell that are looked at, two by two
 const uint RAYS = 4u;   // from each
-const uint STEPS = 10u; // of each ray
 // What is not seen to pass light on may do so all the same: nothing that is lit gets no VPLs.
-const float LEAST = 0.01;
-
-// Whether a ray meets what the map shows, which is as thick as can be. The light that leaves a lamp's cone finds the room around it.
-bool meets(Light light, int layer, vec3 from, vec3 way, float texel_width) {
-    float widest = float(max(params.size.x, params.size.y)), t = 2.0 * texel_width;
-    float growth = pow(max(0.5 * widest, 1.0), 1.0 / float(STEPS - 1u));
-    for (uint i = 0u; i < STEPS; i++) {
-        vec4 clip = light.world_to_clip * vec4(from + way * t, 1.0);
-        if (clip.w <= 0.0) return true;
-        vec3 at = clip.xyz / clip.w;
-        if (any(greaterThan(abs(at.xy), vec2(1.0)))) return light.kind != DIRECTIONAL;
-        if (at.z > 1.0) return light.kind != DIRECTIONAL;
-        ivec2 texel = min(ivec2((at.xy * 0.5 + 0.5) * vec2(params.size)), params.size - 1);
-        if (at.z < texelFetch(rsm_depth, ivec3(texel, layer), 0).r) return true;
-        t *= growth;
-    }
-    return false;
-}
+const float LEAST = 0.03;
 
 void main() {
     uvec3 cell = gl_GlobalInvocationID;
@@ -56,16 +37,9 @@ void main() {
         vec2 ndc = (vec2(texel.xy) + 0.5) / vec2(params.size) * 2.0 - 1.0;
         vec3 position = light_position(light, ndc, depth), normal = octahedral_inverse(texelFetch(rsm_normal, texel, 0).xy);
         float texel_width = sqrt(texel_beam(light, ndc, position));
-        float met = 0.0;
-        for (uint j = 0u; j < RAYS; j++) {
-            // By the cosine: a point of a sphere that touches the surface from below.
-            vec2 u = hammersley(i * RAYS + j, TEXELS * RAYS);
-            float z = 1.0 - 2.0 * u.x, r = sqrt(max(1.0 - z * z, 0.0));
-            vec3 way = normal * 1.001 + vec3(r * cos(2.0 * PI * u.y), r * sin(2.0 * PI * u.y), z);
-            met += float(meets(light, texel.z, position + normal * (2.0 * texel_width), normalize(way), texel_width));
-        }
+        float kept = enclosure(light, cell.z, params.size, position, normal, texel_width, i * RAYS, RAYS, TEXELS * RAYS);
         float reflected = luminance(texelFetch(rsm_flux, texel, 0).rgb) * (luminance(texelFetch(rsm_albedo, texel, 0).rgb) + LEAST);
-        passed += reflected * (met / float(RAYS) + LEAST);
+        passed += reflected * (kept + LEAST);
     }
     importances.at[(cell.z * CELLS + cell.y) * CELLS + cell.x] = passed;
 }

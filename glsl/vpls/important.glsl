@@ -1,10 +1,24 @@
 // Hammersley samples of the reflective shadow maps, drawn by their cells' importance: the inverse of the distribution, rows first.
-#include "lib/hammersley.glsl"
 #include "vpls/distribution.glsl"
 #include "vpls/texel.glsl"
+#include "vpls/enclosure.glsl"
 
 layout(scalar) readonly buffer Columns { float at[]; } columns;
 layout(scalar) readonly buffer Rows { float at[]; } rows;
+layout(scalar) writeonly buffer Kept { float at[]; } kept; // share of what each reflects that is thought to stay in the scene
+
+const uint RAYS = 32u;
+
+// How much of a texel's light stays in the scene.
+float stays(ivec3 at) {
+    float depth = texelFetch(rsm_depth, at, 0).r;
+    if (depth == 0.0) return 0.0;
+    Light light = lights.at[at.z];
+    vec2 ndc = (vec2(at.xy) + 0.5) / vec2(params.size) * 2.0 - 1.0;
+    vec3 position = light_position(light, ndc, depth), normal = octahedral_inverse(texelFetch(rsm_normal, at, 0).xy);
+    float texel_width = sqrt(texel_beam(light, ndc, position));
+    return enclosure(light, uint(at.z), ivec2(params.size), position, normal, texel_width, 0u, RAYS, RAYS);
+}
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
@@ -37,5 +51,7 @@ void main() {
     vec2 at = (vec2(low % CELLS, row % CELLS) + vec2(across, down)) / float(CELLS);
     ivec2 texel = min(ivec2(at * vec2(params.size)), ivec2(params.size) - 1);
     float texels = float(params.size.x) * float(params.size.y) / float(CELLS * CELLS);
-    put(index, ivec3(texel, row / CELLS), chance > 0.0 ? texels * total / (chance * float(params.count)) : 0.0);
+    ivec3 place = ivec3(texel, row / CELLS);
+    put(index, place, chance > 0.0 ? texels * total / (chance * float(params.count)) : 0.0);
+    kept.at[index] = stays(place);
 }

@@ -153,8 +153,11 @@ fn k_means(g: &mut Graph, vpls: &Vpls, clusters: &Clusters, config: &BounceConfi
     let frames = g.history::<u32>("bounce/frames", 1);
     let (rounds, unsettled) = (g.count("bounce/rounds"), g.count("bounce/unsettled"));
     let most = most_rounds(vpls.count, clusters.count);
-    g.compute("bounce/k-means")
-        .reads("points", vpls.points)
+    let pass = match vpls.kept {
+        Some(kept) => g.compute("bounce/k-means").shader("bounce/k-means-kept").reads("kept_shares", kept),
+        None => g.compute("bounce/k-means"),
+    };
+    pass.reads("points", vpls.points)
         .reads("intensities", vpls.intensities)
         .updates("centres", centres)
         .updates("frames", frames)
@@ -261,6 +264,7 @@ fn sample(g: &mut Graph, clusters: &Clusters, config: &BounceConfig) -> Vpls {
         points: g.buffer::<VplPoint>("bounce/points", count),
         intensities: g.buffer::<[f32; 3]>("bounce/intensities", count),
         areas: g.buffer::<f32>("bounce/areas", count),
+        kept: None,
         lobes: None,
         diffuse: true,
     };

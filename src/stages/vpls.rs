@@ -54,6 +54,8 @@ pub struct Vpls {
     pub intensities: Buffer,
     /// Of the beam that each stands for, across it, m^2; 0 of those that reflect nothing. How large a disk it shines as ([`Emitters::Disks`](crate::config::Emitters)).
     pub areas: Buffer,
+    /// Share of what each reflects that is thought to stay in the scene; there where that is known.
+    pub kept: Option<Buffer>,
     /// Glossy VPLs at the same places, [`Lobe`]s; there where they are wanted.
     pub lobes: Option<Buffer>,
     /// Whether the diffuse ones shine.
@@ -123,6 +125,7 @@ fn from_texels(
         points: g.buffer::<VplPoint>("vpls/points", count),
         intensities: g.buffer::<[f32; 3]>("vpls/intensities", count),
         areas: g.buffer::<f32>("vpls/areas", count),
+        kept: distribution.map(|_| g.buffer::<f32>("vpls/kept", count)),
         lobes: rsm.glossy.map(|_| g.buffer::<Lobe>("vpls/lobes", count)),
         diffuse,
     };
@@ -133,9 +136,9 @@ fn from_texels(
         }
         _ => g.compute(matte),
     };
-    let pass = match distribution {
-        Some(distribution) => pass.reads("columns", distribution.columns).reads("rows", distribution.rows),
-        None => pass,
+    let pass = match (distribution, vpls.kept) {
+        (Some(Distribution { columns, rows }), Some(kept)) => pass.reads("columns", columns).reads("rows", rows).writes("kept", kept),
+        _ => pass,
     };
     pass.reads("lights", rsm.lights)
         .reads("rsm_depth", rsm.depth)

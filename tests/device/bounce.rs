@@ -4,8 +4,8 @@ use crate::common::*;
 use bytemuck::pod_collect_to_vec;
 use glam::{DVec3, Vec2, Vec3};
 use manylight::config::{
-    BounceVisibility, Builtin, Centers, Config, Emitters, FilterKind, Layers, LightConfig, LightKeyframe, Pattern, Representative,
-    SceneConfig, Shares, VisibilityMethod, VplSampler,
+    BounceVisibility, Builtin, Centers, Config, Emitters, FilterKind, Importance, Layers, LightConfig, LightKeyframe, Pattern,
+    Representative, SceneConfig, Shares, VisibilityMethod, VplSampler,
 };
 use manylight::graph::Execution;
 use manylight::reference::Layer;
@@ -577,23 +577,145 @@ fn relmse(test: &[[f32; 4]], truth: &[[f32; 4]]) -> f64 {
 /// The presets as they are, against two bounces of paths.
 #[test]
 fn the_preset_is_nearer_to_two_bounces_than_one_bounce_of_linkes() {
-    let preset = |name: &str| {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(name);
-        let sets = ["scene.builtin=cornell", "frame.size=[160,90]"].map(str::to_owned);
+    let sponza = |preset: &str| {
+        let scene = "light = [{ kind = \"directional\", direction = [0.22, -1, 0.3], irradiance = [22, 20.5, 18] }]\n\
+                     [camera]\nposition = [-11.5, 2.2, -0.35]\ntarget = [8, 3.6, 0.1]\nfov_y_deg = 60\n";
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sponza.toml");
+        let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(preset);
+        std::fs::write(&path, format!("base = {:?}\n{scene}", base.display().to_string())).unwrap();
+        manylight::config::load(&path, &["frame.size=[160,90]".to_owned()]).unwrap_or_else(|error| panic!("{error:#}"))
+    };
+    let builtin = |name: &str, preset: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(preset);
+        let sets = [format!("scene.builtin={name}"), "frame.size=[160,90]".to_owned()];
         manylight::config::load(&path, &sets).unwrap_or_else(|error| panic!("{error:#}"))
     };
-    let (ssvp, linke) = (preset("ssvp.toml"), preset("linke.toml"));
-    let mut renderer = traced(load_scene(&ssvp.scene).unwrap().0);
-    let truth = reference(&mut renderer, &ssvp, centered(2), 256).indirect();
-    let mut indirect = |config: &Config| {
-        let picture = picture(&mut renderer, config);
+    let mut cases: Vec<_> = ["cornell", "atrium"]
+        .map(|name| {
+            let configs = ["ssvp.toml", "linke.toml"].map(|preset| builtin(name, preset));
+            (name, load_scene(&configs[0].scene).unwrap().0, configs)
+        })
+        .into();
+    cases.extend(shared_scene("sponza_crytek.glb").map(|mut scene| {
+        scene.split_triangles(0.02);
+        ("Sponza", scene, ["ssvp.toml", "linke.toml"].map(sponza))
+    }));
+    for (name, scene, [ssvp, linke]) in cases {
+        let mut renderer = traced(scene);
+        let truth = reference(&mut renderer, &ssvp, centered(2), 256).indirect();
+        let mut indirect = |config: &Config| {
+            let picture = picture(&mut renderer, config);
+            (0..picture.indirect.values.len() / 4).map(|i| picture.indirect.at(i)).collect::<Vec<_>>()
+        };
+        let (two, one) = (indirect(&ssvp), indirect(&linke));
+        let energy = mean(&two, |_| true) / mean(&truth, |_| true);
+        println!("{name}: relMSE {:.4}, of linke's {:.4}; energy {energy:.4}", relmse(&two, &truth), relmse(&one, &truth));
+        assert!(relmse(&two, &truth) < relmse(&one, &truth), "{name}");
+        assert!((energy - 1.0).abs() < 0.15, "{name}: energy {energy}");
+        finish(renderer.gpu());
+    }
+}
+
+/// A court, 4 m wide and 6 m deep, in a roof of 20 m: all of the sun's light but a twenty-fifth falls on the roof, and on into the sky.
+fn court_in_a_roof(albedo: f64) -> (Scene, Config) {
+    let wall = |corner: [f64; 3], u: [f64; 3], v: [f64; 3], normal: DVec3| Wall {
+        corner: corner.into(),
+        u: u.into(),
+        v: v.into(),
+        normal,
+        albedo: DVec3::splat(albedo),
+    };
+    let mut faces = vec![
+        wall([-2.0, -6.0, -2.0], [4.0, 0.0, 0.0], [0.0, 0.0, 4.0], DVec3::Y),
+        wall([-2.0, -6.0, -2.0], [0.0, 6.0, 0.0], [0.0, 0.0, 4.0], DVec3::X),
+        wall([2.0, -6.0, -2.0], [0.0, 6.0, 0.0], [0.0, 0.0, 4.0], DVec3::NEG_X),
+        wall([-2.0, -6.0, -2.0], [4.0, 0.0, 0.0], [0.0, 6.0, 0.0], DVec3::Z),
+        wall([-2.0, -6.0, 2.0], [4.0, 0.0, 0.0], [0.0, 6.0, 0.0], DVec3::NEG_Z),
+    ];
+    for (x, z, width, depth) in [(-10.0, -10.0, 20.0, 8.0), (-10.0, 2.0, 20.0, 8.0), (-10.0, -2.0, 8.0, 4.0), (2.0, -2.0, 8.0, 4.0)] {
+        faces.push(wall([x, 0.0, z], [width, 0.0, 0.0], [0.0, 0.0, depth], DVec3::Y));
+    }
+    let sun = directional(Vec3::new(0.3, -1.0, 0.2), [10.0; 3]);
+    let mut config = plain([64, 64], Vec3::new(1.5, -1.0, 1.5), Vec3::new(-1.0, -6.0, -1.0), 90.0, sun);
+    config.vpls.sampler = VplSampler::Hammersley;
+    config.vpls.count = 256;
+    config.vpls.importance = Importance::PassedFlux;
+    config.bounce.count = 2;
+    config.bounce.vpls = 4096;
+    (split_room(&faces), config)
+}
+
+#[test]
+fn importance_puts_vpls_into_the_court_and_keeps_their_light() {
+    let (scene, mut config) = court_in_a_roof(0.5);
+    config.bounce.count = 1;
+    let mut renderer = renderer(scene);
+    let mut light = |importance, pass| {
+        config.vpls.importance = importance;
+        let rendered = dump(&mut renderer, &config, 0, &[pass]);
+        let points: Vec<VplPoint> = pod_collect_to_vec(dumped(&rendered, "vpls/points"));
+        let lights: Vec<_> = points.iter().zip(intensities(&rendered, "vpls/intensities")).filter(|(_, i)| i.x > 0.0).collect();
+        let sum = |lights: &[&(&VplPoint, DVec3)]| lights.iter().map(|(_, i)| i.x * PI).sum::<f64>();
+        let (court, roof): (Vec<_>, Vec<_>) = lights.iter().partition(|(point, _)| point.position[1] < -0.01);
+        (court.len(), sum(&court), sum(&roof))
+    };
+    let (even, _, _) = light(Importance::None, "vpls/hammersley");
+    let (court, in_court, on_roof) = light(Importance::PassedFlux, "vpls/important");
+    // Irradiance times area, times albedo.
+    let cosine = f64::from(Vec3::new(0.3, -1.0, 0.2).normalize().y.abs());
+    let (expected_court, expected_roof) = (0.5 * 10.0 * cosine * 16.0, 0.5 * 10.0 * cosine * 384.0);
+    println!(
+        "in the court {court} VPLs, {even} even ones; flux {in_court:.1} of {expected_court:.1}, on the roof {on_roof:.1} of {expected_roof:.1}"
+    );
+    assert!(court > 128 && court > 8 * even, "{court} of 256 VPLs are in the court, {even} even ones");
+    assert!((in_court / expected_court - 1.0).abs() < 0.05, "{in_court} W instead of {expected_court}");
+    assert!((on_roof / expected_roof - 1.0).abs() < 0.25, "{on_roof} W instead of {expected_roof}");
+    finish(renderer.gpu());
+}
+
+#[test]
+fn importance_brings_the_pictures_sum_nearer_to_that_of_all_texels() {
+    let (scene, mut config) = small_atrium();
+    config.bounce.count = 1;
+    config.visibility.method = VisibilityMethod::None;
+    config.gather.interleave = 1;
+    config.filter.kind = FilterKind::None;
+    let mut renderer = renderer(scene);
+    let mut indirect = |count, importance| {
+        config.vpls.count = count;
+        config.vpls.importance = importance;
+        let picture = picture(&mut renderer, &config);
         (0..picture.indirect.values.len() / 4).map(|i| picture.indirect.at(i)).collect::<Vec<_>>()
     };
-    let (two, one) = (indirect(&ssvp), indirect(&linke));
-    let energy = mean(&two, |_| true) / mean(&truth, |_| true);
-    println!("relMSE {:.4}, of linke's {:.4}; energy {energy:.4}", relmse(&two, &truth), relmse(&one, &truth));
-    assert!(relmse(&two, &truth) < relmse(&one, &truth));
-    assert!((energy - 1.0).abs() < 0.15, "energy {energy}");
+    let truth = indirect(32_768, Importance::None);
+    let [few, many] = [256, 4096].map(|count| indirect(count, Importance::PassedFlux));
+    let even = indirect(256, Importance::None);
+    let energy = mean(&many, |_| true) / mean(&truth, |_| true);
+    println!("relMSE {:.5}, of even ones {:.5}; energy of 4,096 {energy:.4}", relmse(&few, &truth), relmse(&even, &truth));
+    assert!(relmse(&few, &truth) < 0.5 * relmse(&even, &truth));
+    assert!((energy - 1.0).abs() < 0.01, "energy {energy}");
+    finish(renderer.gpu());
+}
+
+/// By place and normal the roof is near the court's floor, in the scene's scale.
+#[test]
+fn a_roofs_light_does_not_go_on_from_the_courts_clusters() {
+    let (scene, mut config) = court_in_a_roof(0.5);
+    let mut renderer = renderer(scene);
+    let cosine = f64::from(Vec3::new(0.3, -1.0, 0.2).normalize().y.abs());
+    for clusters in [1, 2, 8] {
+        config.bounce.clusters = clusters;
+        for seed in 0..4 {
+            config.frame.seed = seed;
+            let rendered = dump(&mut renderer, &config, 0, &["bounce/sample"]);
+            let passed = intensities(&rendered, "bounce/intensities").into_iter().map(|v| v.x * PI).sum::<f64>();
+            // Of what the court's surfaces reflect, they get a part again and reflect half of it.
+            let part = passed / (0.5 * 0.5 * 10.0 * cosine * 16.0);
+            println!("{clusters} clusters, seed {seed}: {part:.3} of what the court's first VPLs send out meets it again");
+            assert!((0.5..1.0).contains(&part), "{clusters} clusters, seed {seed}: {part}");
+        }
+    }
     finish(renderer.gpu());
 }
 

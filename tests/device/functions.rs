@@ -15,6 +15,7 @@ const FRAME: &str = "#version 460
 #extension GL_GOOGLE_include_directive : require
 #include \"lib/brdf.glsl\"
 #include \"lib/color.glsl\"
+#include \"lib/disk.glsl\"
 #include \"lib/light.glsl\"
 #include \"lib/packing.glsl\"
 #include \"lib/permutation.glsl\"
@@ -529,6 +530,109 @@ fn a_brdf_is_lambert_for_dielectrics_and_ggx_with_the_base_colour_for_metals() {
         assert!(near(half[i], (base / PI + schlick(base) * lobe) * 0.5), "{l}: {:?}", half[i]);
         let f = schlick(DVec3::splat(0.04));
         assert!(near(glossy[i], (1.0 - f) * base / PI + f * lobe), "{l}: {:?}", glossy[i]);
+    }
+}
+
+/// By the midpoints of rings and sectors: of a disk around the origin that faces +Z, the light that arrives at a point, and how much of
+/// the disk lies before the receiver's plane. Both of radiant intensity 1 along the normal.
+fn disk_by_parts(radius: f64, point: DVec3, normal: DVec3) -> (f64, f64) {
+    const RINGS: usize = 300;
+    let (mut light, mut before) = (0.0, 0.0);
+    for ring in 0..RINGS {
+        let r = radius * ((ring as f64 + 0.5) / RINGS as f64).sqrt();
+        for sector in 0..RINGS {
+            let phi = (sector as f64 + 0.5) / RINGS as f64 * 2.0 * PI;
+            let way = DVec3::new(r * phi.cos(), r * phi.sin(), 0.0) - point;
+            let to = normal.dot(way);
+            if to > 0.0 {
+                before += 1.0;
+                light += -way.z * to / way.length_squared().powi(2);
+            }
+        }
+    }
+    let parts = (RINGS * RINGS) as f64;
+    (light / parts, before / parts)
+}
+
+#[test]
+fn a_disk_shines_as_all_of_its_parts_do() {
+    // Receivers from a tenth of the radius away to a hundred radii, whichever way they face.
+    let cases = random_numbers(400).into_iter().map(|u| {
+        let radius = 0.5f32;
+        let far = radius * 0.2 * 500.0f32.powf(u[0]);
+        let up = 0.02 + 0.98 * u[1];
+        let (s, phi) = ((1.0 - up * up).sqrt(), 2.0 * std::f32::consts::PI * u[2]);
+        let point = far * Vec3::new(s * phi.cos(), s * phi.sin(), up);
+        let (z, around) = (1.0 - 2.0 * u[3], 7.0 * (u[0] + u[1]));
+        let normal = ((1.0 - z * z).sqrt() * Vec2::from_angle(around)).extend(z);
+        (radius, point.with_z(point.z.max(0.1 * radius)), normal)
+    });
+    let cases: Vec<_> = cases.filter(|(_, point, normal)| normal.dot(-*point) > 1e-3).collect();
+    let inputs: Vec<_> =
+        cases.iter().map(|(_, point, normal)| [point.x, point.y, point.z, f32::from_bits(pack::octahedral_snorm16(*normal))]).collect();
+    let body = "r.x = disk_light(-v.xyz, vec3(0.0, 0.0, 1.0), 0.25, octahedral_snorm16_inverse(w.w));";
+    let (mut whole, mut cut) = (0, 0);
+    let mut farthest = 0.0f64;
+    for ((radius, point, normal), found) in cases.iter().zip(numbers(body, &inputs)) {
+        let normal = pack::octahedral_snorm16_inverse(pack::octahedral_snorm16(*normal)).as_dvec3();
+        let (light, before) = disk_by_parts(f64::from(*radius), point.as_dvec3(), normal);
+        let ratio = f64::from(found[0]) / (light / before);
+        if before == 1.0 {
+            whole += 1;
+            assert!((ratio - 1.0).abs() < 2e-3, "{point} {normal}: {} of {light}", found[0]);
+        } else {
+            // The sphere that stands for a cut disk is as bright as it to about a fifth.
+            cut += 1;
+            farthest = farthest.max((ratio - 1.0).abs());
+        }
+    }
+    println!("{whole} whole disks; {cut} cut ones are off by {farthest:.3} at most");
+    assert!(whole > 60 && cut > 60, "{whole} whole, {cut} cut");
+    finish(&gpu());
+}
+
+#[test]
+fn what_a_disk_on_the_floor_sends_out_all_arrives_even_where_a_wall_cuts_it() {
+    // A box of 40 x 40 x 40 m whose wall x = 0 is so far from the centre of a disk of 1 m.
+    for far in [0.05f32, 0.25, 0.5, 0.75, 1.0, 2.0, 5.0] {
+        let center = Vec3::new(far, 0.0, 0.0);
+        const N: usize = 400;
+        let (mut inputs, mut areas) = (Vec::new(), Vec::new());
+        // Finer near the disk: x from 0, y (upwards) from 0, z around 0.
+        let grade = |i: usize| ((i as f64 + 0.5) / N as f64, 1.0 / N as f64);
+        let from_zero = |i| {
+            let (t, dt) = grade(i);
+            (40.0 * t.powi(4), 160.0 * t.powi(3) * dt)
+        };
+        let around = |i| {
+            let (t, dt) = grade(i);
+            let s = 2.0 * t - 1.0;
+            (20.0 * s.powi(3), 120.0 * s * s * dt)
+        };
+        for i in 0..N {
+            for k in 0..N {
+                let ((a, da), (b, db)) = (from_zero(i), around(k));
+                let ((c, dc), (d, dd)) = (from_zero(k), from_zero(i));
+                let mut face = |point: [f64; 3], face: u32, area: f64| {
+                    let point = DVec3::from(point).as_vec3();
+                    inputs.push([point.x, point.y, point.z, face as f32]);
+                    areas.push(area);
+                };
+                face([0.0, a, b], 0, da * db);
+                face([40.0, a, b], 1, da * db);
+                face([a, 40.0, b], 2, da * db);
+                face([c, d, -20.0], 3, dc * dd);
+                face([c, d, 20.0], 4, dc * dd);
+            }
+        }
+        let body = format!(
+            "const vec3 NORMALS[5] = vec3[](vec3(1, 0, 0), vec3(-1, 0, 0), vec3(0, -1, 0), vec3(0, 0, 1), vec3(0, 0, -1));
+             r.x = disk_light(vec3({:?}, 0.0, 0.0) - v.xyz, vec3(0.0, 1.0, 0.0), 1.0, NORMALS[uint(v.w)]);",
+            center.x
+        );
+        let sum: f64 = numbers(&body, &inputs).iter().zip(&areas).map(|(found, area)| f64::from(found[0]) * area).sum();
+        println!("{far} m from the wall: {:.4} of the flux arrives", sum / PI);
+        assert!((sum / PI - 1.0).abs() < if far >= 1.0 { 0.01 } else { 0.05 }, "{far} m from the wall {} of the flux arrives", sum / PI);
     }
 }
 
