@@ -164,6 +164,7 @@ fn every_mistake_gets_a_sentence_with_file_line_and_key() {
         ("[scene]\nfile = \"a.glb\"\nseed = 1", "x.toml:3: scene.seed: of the built-in scenes only atrium has this knob"),
         ("[scene]\nroughness = 0.1", "x.toml:2: scene.roughness: of the built-in scenes only caustics has this knob"),
         ("[scene]\ntriangles = 9000", "x.toml:2: scene.triangles: 9000 is too few for the atrium"),
+        ("[vpls]\nimportance = \"passed-flux\"", "x.toml:2: vpls.importance: only Hammersley's points are drawn by importance"),
         ("[vpls]\nreflection = \"both\"", "x.toml:2: vpls.reflection: glossy virtual point lights are summed by stochastic culling alone"),
         ("[gather]\nreceiver = \"ggx\"", "x.toml:2: gather.receiver: receivers are glossy with stochastic tiles alone"),
         (
@@ -465,6 +466,7 @@ fn every_name_in_the_list_of_keys_is_accepted() {
             // With what some of them need.
             let base = match key.key {
                 "vpls.reflection" | "gather.receiver" => "gather.culling = \"stochastic-tiled\"",
+                "vpls.importance" => "vpls.sampler = \"hammersley\"",
                 _ => "",
             };
             parse(base, &[&format!("{}={value}", key.key)]).unwrap();

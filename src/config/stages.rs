@@ -486,7 +486,8 @@ pub enum Receiver {
 pub enum Emitters {
     #[default]
     Points,
-    /// Disks as wide as the beams that they stand for, as seen from their axis: the fewer lights, the softer they are.
+    /// Disks that reach over their neighbours, so that their light is even: the fewer lights, the softer they are. What walls cut off
+    /// shines on from the rest.
     Disks,
 }
 

@@ -632,7 +632,7 @@ fn what_a_disk_on_the_floor_sends_out_all_arrives_even_where_a_wall_cuts_it() {
         );
         let sum: f64 = numbers(&body, &inputs).iter().zip(&areas).map(|(found, area)| f64::from(found[0]) * area).sum();
         println!("{far} m from the wall: {:.4} of the flux arrives", sum / PI);
-        assert!((sum / PI - 1.0).abs() < if far >= 1.0 { 0.01 } else { 0.05 }, "{far} m from the wall {} of the flux arrives", sum / PI);
+        assert!((sum / PI - 1.0).abs() < if far >= 1.0 { 0.01 } else { 0.1 }, "{far} m from the wall {} of the flux arrives", sum / PI);
     }
 }
 
