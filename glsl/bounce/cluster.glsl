@@ -2,7 +2,7 @@
 struct Cluster {
     vec3 position;
     uint normal;  // octahedral_snorm16
-    vec3 flux;    // that its VPLs reflect, W
+    vec3 flux;    // that its VPLs reflect, W; each by the share that stays in the scene, over that of the place
     uint members;
     float spread; // mean square of their distance from the cluster's mean, m^2
 };

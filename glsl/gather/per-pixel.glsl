@@ -17,7 +17,7 @@
 
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(constant_id = 0) const uint INTERLEAVE = 1;
-layout(constant_id = 3) const bool DISKS = false; // VPLs shine as disks of the area that they stand for
+layout(constant_id = 3) const bool DISKS = false; // VPLs shine as disks
 
 layout(scalar, push_constant) uniform Params {
     uint count;

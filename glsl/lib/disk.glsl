@@ -3,10 +3,11 @@
 // How brightly a disk of radiant intensity 1 along its normal `facing`, the same radiance to all sides, lights a point from which its centre
 // lies along `way`, 1/m^2. A point of the disk's own plane, or behind it, gets nothing.
 //
-// Where all of the disk lies before the receiver's plane this is exact: the configuration factors of an element and a disk, parallel and
+// Where all of the disk lies well before the receiver's plane this is exact: the configuration factors of an element and a disk, parallel and
 // perpendicular (as catalogues of them have it), which are the two sides of one vector. Where the plane cuts the disk, as
 // that of a wall does whose foot a lamp of the floor is near, the part before it shines with all of the light: it stands for surface that is
 // there, and what would lie behind the wall is not.
+// On a surface that bends, such as a column's, this leaves an edge where the centre sets.
 float disk_light(vec3 way, vec3 facing, float squared_radius, vec3 normal) {
     float height = -dot(facing, way), to = dot(normal, way);
     if (height <= 0.0 || to <= 0.0) return 0.0;

@@ -3,10 +3,11 @@
 #include "lib/hammersley.glsl"
 #include "lib/light.glsl"
 
+layout(constant_id = 0) const bool MORE_BESIDE = false; // of the scene, beside the sun's map
 const uint ENCLOSURE_STEPS = 10u; // of a ray
 
-// Whether a ray meets what the map, a height field as thick as can be, shows. Beyond a lamp's cone there is the room around it; beyond the
-// sun's map, the sky.
+// Whether a ray meets what the map, a height field as thick as can be, shows. Beyond a lamp's cone, and a part of
+// the scene that the sun's map is narrowed to, there is more of it; beyond all of it, and above, the sky.
 bool meets(Light light, uint layer, ivec2 size, vec3 from, vec3 way, float texel_width) {
     float t = 2.0 * texel_width;
     float growth = pow(max(0.5 * float(max(size.x, size.y)), 1.0), 1.0 / float(ENCLOSURE_STEPS - 1u));
@@ -14,7 +15,8 @@ bool meets(Light light, uint layer, ivec2 size, vec3 from, vec3 way, float texel
         vec4 clip = light.world_to_clip * vec4(from + way * t, 1.0);
         if (clip.w <= 0.0) return true;
         vec3 at = clip.xyz / clip.w;
-        if (at.z > 1.0 || any(greaterThan(abs(at.xy), vec2(1.0)))) return light.kind != DIRECTIONAL;
+        if (any(greaterThan(abs(at.xy), vec2(1.0)))) return light.kind != DIRECTIONAL || MORE_BESIDE;
+        if (at.z > 1.0) return light.kind != DIRECTIONAL;
         ivec2 texel = min(ivec2((at.xy * 0.5 + 0.5) * vec2(size)), size - 1);
         if (at.z < texelFetch(rsm_depth, ivec3(texel, layer), 0).r) return true;
         t *= growth;

@@ -22,7 +22,7 @@ layout(scalar) writeonly buffer Importances { float at[]; } importances; // of c
 
 const uint TEXELS = 4u; // of a cell that are looked at, two by two
 const uint RAYS = 4u;   // from each
-// What is not seen to pass light on may do so all the same: nothing that is lit gets no VPLs.
+// What is not seen to pass light on may do so all the same: nothing that is lit has no chance of VPLs.
 const float LEAST = 0.03;
 
 void main() {
@@ -33,8 +33,12 @@ void main() {
         vec2 within = (vec2(i & 1u, i >> 1u) + 0.5) * 0.5;
         ivec3 texel = ivec3(min(ivec2((vec2(cell.xy) + within) * vec2(params.size) / float(CELLS)), params.size - 1), cell.z);
         float depth = texelFetch(rsm_depth, texel, 0).r;
-        if (depth == 0.0) continue;
         vec2 ndc = (vec2(texel.xy) + 0.5) / vec2(params.size) * 2.0 - 1.0;
+        if (depth == 0.0) {
+            // What is too small to be met here may be there.
+            passed += LEAST * LEAST * luminance(texel_flux(light, ndc));
+            continue;
+        }
         vec3 position = light_position(light, ndc, depth), normal = octahedral_inverse(texelFetch(rsm_normal, texel, 0).xy);
         float texel_width = sqrt(texel_beam(light, ndc, position));
         float kept = enclosure(light, cell.z, params.size, position, normal, texel_width, i * RAYS, RAYS, TEXELS * RAYS);

@@ -7,7 +7,7 @@ layout(scalar) readonly buffer Columns { float at[]; } columns;
 layout(scalar) readonly buffer Rows { float at[]; } rows;
 layout(scalar) writeonly buffer Kept { float at[]; } kept; // share of what each reflects that is thought to stay in the scene
 
-const uint RAYS = 32u;
+const uint RAYS = 128u;
 
 // How much of a texel's light stays in the scene.
 float stays(ivec3 at) {
@@ -38,7 +38,8 @@ void main() {
 
     low = row * CELLS;
     high = low + CELLS - 1u;
-    wanted = u.y * columns.at[high];
+    float in_row = columns.at[high];
+    wanted = u.y * in_row;
     while (low < high) {
         uint middle = (low + high) / 2u;
         if (columns.at[middle] > wanted) high = middle;
@@ -52,6 +53,8 @@ void main() {
     ivec2 texel = min(ivec2(at * vec2(params.size)), ivec2(params.size) - 1);
     float texels = float(params.size.x) * float(params.size.y) / float(CELLS * CELLS);
     ivec3 place = ivec3(texel, row / CELLS);
-    put(index, place, chance > 0.0 ? texels * total / (chance * float(params.count)) : 0.0);
-    kept.at[index] = stays(place);
+    bool any = weight > 0.0 && chance > 0.0;
+    put(index, place, any ? texels * (total / weight) * (in_row / chance) / float(params.count) : 0.0);
+    // None at all would leave the map of its cluster nothing to say.
+    kept.at[index] = max(stays(place), 0.001);
 }

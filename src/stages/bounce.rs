@@ -14,7 +14,7 @@ shader_struct! {
         pub position: [f32; 3],
         /// Octahedral, two signed normalized 16-bit numbers.
         pub normal: u32,
-        /// That its VPLs reflect, W.
+        /// That its VPLs reflect, W; each by the share of it that stays in the scene, over that of the place the map is seen from.
         pub flux: [f32; 3],
         pub members: u32,
         /// Mean square of their distance from the cluster's mean, m^2.

@@ -17,6 +17,8 @@ pub struct Rsm {
     /// The lights' common kind as in [`Projector::kind`], or [`Projector::MIXED`].
     pub kind: u32,
     pub size: [u32; 2],
+    /// Whether directional lights' maps cover all of the scene.
+    pub covers_all: bool,
     pub depth: Image,
     /// Geometric normal, turned to the light; octahedral.
     pub normal: Image,
@@ -60,6 +62,7 @@ pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &
         layers,
         kind: Projector::common_kind(lights),
         size,
+        covers_all: config.rsm.bounds.is_none(),
         depth: g.layered_image("rsm/depth", Format::Depth32, size, layers),
         normal: g.layered_image("rsm/normal", Format::Rg16Snorm, size, layers),
         flux: g.layered_image("rsm/flux", Format::Rgba32Float, size, layers),

@@ -98,6 +98,7 @@ fn passed_flux(g: &mut Graph, rsm: &Rsm) -> Distribution {
         .reads("rsm_flux", rsm.flux)
         .reads("rsm_albedo", rsm.albedo)
         .writes("importances", importances)
+        .constant("MORE_BESIDE", !rsm.covers_all)
         .params(&ImportanceParams { size: rsm.size })
         .dispatch([CELLS, CELLS, rsm.layers]);
     let distribution =
@@ -137,7 +138,9 @@ fn from_texels(
         _ => g.compute(matte),
     };
     let pass = match (distribution, vpls.kept) {
-        (Some(Distribution { columns, rows }), Some(kept)) => pass.reads("columns", columns).reads("rows", rows).writes("kept", kept),
+        (Some(Distribution { columns, rows }), Some(kept)) => {
+            pass.reads("columns", columns).reads("rows", rows).writes("kept", kept).constant("MORE_BESIDE", !rsm.covers_all)
+        }
         _ => pass,
     };
     pass.reads("lights", rsm.lights)
