@@ -36,7 +36,7 @@ void main() {
         vec2 ndc = (vec2(texel.xy) + 0.5) / vec2(params.size) * 2.0 - 1.0;
         if (depth == 0.0) {
             // What is too small to be met here may be there.
-            passed += LEAST * LEAST * luminance(texel_flux(light, ndc));
+            passed += 1e-5 * luminance(texel_flux(light, ndc));
             continue;
         }
         vec3 position = light_position(light, ndc, depth), normal = octahedral_inverse(texelFetch(rsm_normal, texel, 0).xy);
