@@ -571,8 +571,8 @@ fn a_disk_shines_as_all_of_its_parts_do() {
     let inputs: Vec<_> =
         cases.iter().map(|(_, point, normal)| [point.x, point.y, point.z, f32::from_bits(pack::octahedral_snorm16(*normal))]).collect();
     let body = "r.x = disk_light(-v.xyz, vec3(0.0, 0.0, 1.0), 0.25, octahedral_snorm16_inverse(w.w));";
-    let (mut whole, mut cut) = (0, 0);
-    let mut farthest = 0.0f64;
+    let mut whole = 0;
+    let mut cut = Vec::new();
     for ((radius, point, normal), found) in cases.iter().zip(numbers(body, &inputs)) {
         let normal = pack::octahedral_snorm16_inverse(pack::octahedral_snorm16(*normal)).as_dvec3();
         let (light, before) = disk_by_parts(f64::from(*radius), point.as_dvec3(), normal);
@@ -581,14 +581,15 @@ fn a_disk_shines_as_all_of_its_parts_do() {
             whole += 1;
             assert!((ratio - 1.0).abs() < 2e-3, "{point} {normal}: {} of {light}", found[0]);
         } else {
-            // The sphere that stands for a cut disk is off by most where little of it shows.
-            cut += 1;
-            farthest = farthest.max((ratio - 1.0).abs());
+            // A sphere stands for these.
+            cut.push((ratio - 1.0).abs());
         }
     }
-    println!("{whole} whole disks; {cut} cut ones are off by {farthest:.3} at most");
-    assert!(farthest < 0.7, "a cut disk is off by {farthest}");
-    assert!(whole > 60 && cut > 60, "{whole} whole, {cut} cut");
+    cut.sort_by(f64::total_cmp);
+    let (half, most) = (cut[cut.len() / 2], cut[cut.len() * 9 / 10]);
+    println!("{whole} whole disks; of {} cut ones half are off by less than {half:.3}, nine tenths by {most:.3}", cut.len());
+    assert!(whole > 60 && cut.len() > 60, "{whole} whole, {} cut", cut.len());
+    assert!(half < 0.1 && most < 0.4, "half of the cut disks are off by {half}, a tenth by {most}");
     finish(&gpu());
 }
 
