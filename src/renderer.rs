@@ -98,7 +98,7 @@ impl Rendered {
             )
         };
         let lost = self.counts.iter().filter(|(name, count)| name.starts_with("gather/lost") && *count > 0).map(|(_, count)| {
-            format!("gather.culling: {count} nodes found no room in the clusters' light lists, and their light is missing; raise gather.delta or gather.interleave")
+            format!("gather.culling: {count} nodes found no room in the clusters' light lists, and their light is missing; raise gather.delta, gather.interleave or gather.nodes")
         });
         dropped.map(warning).chain(lost).collect()
     }
@@ -529,7 +529,11 @@ pub fn timing(config: &Config, adapter: &Adapter) -> Timing {
 fn check_methods(adapter: &Adapter, config: &Config) -> Result<()> {
     let values = serde_json::to_value(config).unwrap_or_else(|error| panic!("a config that JSON has no words for: {error}"));
     let maps = config.visibility_methods().any(|method| method == VisibilityMethod::ImperfectShadowMaps);
-    let idle = |key: &str| (!maps && stages::OF_MAPS.contains(&key)) || (!clustered(config) && stages::OF_CLUSTERS.contains(&key));
+    let idle = |key: &str| {
+        (!maps && stages::OF_MAPS.contains(&key))
+            || (!clustered(config) && stages::OF_CLUSTERS.contains(&key))
+            || (config.gather.culling != Culling::ConservativeClusters && stages::OF_SHELLS.contains(&key))
+    };
     let chosen = |key: &str, name: &str| match values.pointer(&format!("/{}", key.replace('.', "/"))) {
         Some(serde_json::Value::String(value)) => value == name && !idle(key),
         _ => true, // there is but one way

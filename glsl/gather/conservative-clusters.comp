@@ -16,7 +16,7 @@ layout(rgba16f) writeonly uniform image2D irradiance;
 
 const uint END = 0xffffffffu;
 
-void reflect_from(inout Receiver r, vec3 light, vec3 to_light) {}
+float reflect_from(inout Receiver r, vec3 light, vec3 to_light) { return 1.0; }
 
 void main() {
     // Neighbouring workgroups take the sample sets of the same block of pixels.

@@ -4,7 +4,7 @@
 // Conservative rasterization by hand (Hasselgren et al. 2005): a triangle of bounding geometry, cut off at the near plane, as a rectangle of all tiles
 // that it may touch; the fragment shader knows its edges.
 #include "gather/shell.glsl"
-#include "gather/shell-cluster.glsl"
+#include "gather/shell-triangle.glsl"
 
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 4) out;
@@ -14,19 +14,14 @@ layout(location = 1) in vec3 in_centre[];
 layout(location = 2) flat in uint in_vpl[];
 
 layout(location = 0) flat out vec3 out_edges[4]; // a point (x, y) in tiles is inside where (x, y, 1) has no negative product
-layout(location = 4) flat out vec3 out_plane;    // (x, y, 1) times this is one over the distance; zeros if it is seen from its edge
-layout(location = 5) flat out vec2 out_range;    // of one over the distance
+layout(location = 4) flat out vec3 out_plane;    // as in ShellTriangle
+layout(location = 5) flat out vec2 out_range;
 layout(location = 6) flat out uvec2 out_vpl;     // and whether it is on the far side
 
 out gl_PerVertex { vec4 gl_Position; };
 
 void main() {
     if (in_vpl[0] == 0xffffffffu) return;
-    vec3 normal = cross(in_point[1] - in_point[0], in_point[2] - in_point[0]);
-    float offset = dot(normal, in_point[0]);
-    // The eye is at 0: a side that does not part it from the middle is a far one.
-    bool behind = (offset - dot(normal, in_centre[0])) * offset >= 0.0;
-
     // At most four corners are before the near plane.
     vec3 corners[4];
     int count = 0;
@@ -37,14 +32,13 @@ void main() {
         if ((a.z >= near) != (b.z >= near)) corners[count++] = mix(a, b, (near - a.z) / (b.z - a.z));
     }
     if (count < 3) return;
-    uvec2 set = set_of(in_vpl[0]), pixels = sorted_size(), tiles = (pixels + SHELL_TILE - 1u) / SHELL_TILE;
-    vec2 origin = vec2(set * tiles), places[4], low = vec2(1e30), high = vec2(-1e30), inverse_range = vec2(1e30, 0.0);
+    uvec2 set = set_of(in_vpl[0]), tiles = sorted_tiles();
+    vec2 origin = vec2(set * tiles), places[4], low = vec2(1e30), high = vec2(-1e30);
     for (int i = 0; i < 4; i++) {
         vec3 corner = corners[min(i, count - 1)];
         places[i] = sorted_place(corner, set) / (corner.z * float(SHELL_TILE));
         low = min(low, places[i]);
         high = max(high, places[i]);
-        inverse_range = vec2(min(inverse_range.x, 1.0 / corner.z), max(inverse_range.y, 1.0 / corner.z));
     }
     if (any(lessThan(high, vec2(0.0))) || any(greaterThan(low, vec2(tiles)))) return;
 
@@ -58,26 +52,16 @@ void main() {
         edge.z -= dot(edge.xy, origin);
         edges[i] = edge;
     }
-    // One over the distance is linear in the picture.
-    vec3 plane = vec3(0.0);
-    if (abs(offset) > 1e-6 * length(normal) * length(in_point[0])) {
-        vec2 size = vec2(view.it.width, view.it.height), tangents = vec2(length(view.it.right), length(view.it.up));
-        // Tangents to the sides from a place in tiles: t = scale * place + shift.
-        vec2 scale = 2.0 * float(SHELL_TILE * INTERLEAVE) / size;
-        vec2 shift = 2.0 * (vec2(set) + 0.5 - 0.5 * float(INTERLEAVE)) / size - 1.0;
-        vec2 ways = vec2(normal.x * tangents.x, -normal.y * tangents.y);
-        plane = vec3(ways * scale, dot(ways, shift) + normal.z) / offset;
-        plane.z -= dot(plane.xy, origin);
-    }
+    ShellTriangle triangle = shell_triangle(in_point[0], in_point[1], in_point[2], in_centre[0], set);
     low = max(low, 0.0) + origin - 0.501;
     high = min(high, vec2(tiles)) + origin + 0.501;
     vec2 all = vec2(tiles * INTERLEAVE);
     for (int i = 0; i < 4; i++) {
         vec2 place = vec2((i & 1) == 0 ? low.x : high.x, (i & 2) == 0 ? low.y : high.y);
         out_edges = edges;
-        out_plane = plane;
-        out_range = inverse_range;
-        out_vpl = uvec2(in_vpl[0], uint(behind));
+        out_plane = triangle.plane;
+        out_range = triangle.range;
+        out_vpl = uvec2(in_vpl[0], uint(triangle.behind));
         gl_Position = vec4(place / all * 2.0 - 1.0, 0.5, 1.0);
         EmitVertex();
     }

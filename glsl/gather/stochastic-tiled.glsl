@@ -30,7 +30,8 @@ const uint INVOCATIONS = 64u;
 uvec4 seen(ivec2 pixel, uint index);
 
 // The surface is looked up anew for each light, since most are never reflected so.
-void reflect_from(inout Receiver r, vec3 light, vec3 to_light) {
+float reflect_from(inout Receiver r, vec3 light, vec3 to_light) {
+    float left = 1.0;
     if (GLOSSY_RECEIVER) {
         vec3 base = texelFetch(albedo, r.pixel, 0).rgb;
         vec2 mr = texelFetch(metallic_roughness, r.pixel, 0).rg;
@@ -43,10 +44,12 @@ void reflect_from(inout Receiver r, vec3 light, vec3 to_light) {
         if (f90 > 0.0) {
             vec3 v = normalize(view.it.position - r.position), h = normalize(to_light + v);
             float nv = max(dot(r.normal, v), 1e-4);
+            if (GLOSSY_DIELECTRIC) left = 1.0 - coat_fresnel(dot(v, h));
             r.reflected += light * lobe_fresnel(f0, f90, dot(v, h)) *
                            ggx(max(mr.y * mr.y, 1e-3), max(dot(r.normal, h), 0.0), max(dot(r.normal, to_light), 0.0), nv);
         }
     }
+    return left;
 }
 
 shared uint near_low;  // bits of distances, which are in their order

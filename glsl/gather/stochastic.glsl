@@ -1,7 +1,7 @@
 // A VPL's light at a pixel, by chance (Tokuyoshi and Harada 2017, section 3): what tiles, splats and clusters of stochastic light culling
 // share. Whoever includes it defines Shadow and what gather/per-pixel.glsl asks for of it, and
-//     void reflect_from(inout Receiver r, vec3 light, vec3 to_light);
-// what a receiver's own gloss makes of irradiance that comes from a direction.
+//     float reflect_from(inout Receiver r, vec3 light, vec3 to_light);
+// what a receiver's own gloss makes of irradiance that comes from a direction, and the share that it leaves.
 #include "lib/lobe.glsl"
 #include "lib/color.glsl"
 #include "lib/packing.glsl"
@@ -9,6 +9,7 @@
 #include "lib/vpl.glsl"
 
 layout(constant_id = 0) const uint INTERLEAVE = 1;
+layout(constant_id = 9) const bool COATED = false; // VPLs lie on glossy dielectrics: what the gloss reflects is not the diffuse VPL's
 
 layout(scalar, push_constant) uniform Params {
     uint count;
@@ -51,7 +52,7 @@ Receiver receiver(ivec2 pixel) {
     return r;
 }
 
-void reflect_from(inout Receiver r, vec3 light, vec3 to_light);
+float reflect_from(inout Receiver r, vec3 light, vec3 to_light);
 
 // Equations 2 and 3: what a VPL adds, from its irradiance on a surface that faces it.
 vec3 by_chance(vec3 facing_irradiance, float xi, inout uint number) {
@@ -64,15 +65,15 @@ vec3 by_chance(vec3 facing_irradiance, float xi, inout uint number) {
 void add(inout Receiver r, vec3 arrives, vec3 way, float squared, float inverse, float from, float to, Shadow shadow, float visible) {
     if (largest(arrives) <= 0.0 || to <= 0.0) return;
     vec3 light = arrives * (to * inverse * visible * lit(shadow, r.normal, way, squared, from, to));
-    r.sum += light;
-    reflect_from(r, light, way * inverse);
+    r.sum += light * reflect_from(r, light, way * inverse);
 }
 
-void shade_diffuse(inout Receiver r, vec3 position, vec3 facing, vec3 intensity, float xi, Shadow shadow, float visible) {
+void shade_diffuse(inout Receiver r, vec3 position, vec3 facing, vec3 intensity, vec3 incoming, float xi, Shadow shadow, float visible) {
     vec3 way = position - r.position;
     float squared = dot(way, way), inverse = inversesqrt(max(squared, 1e-20));
     float from = max(-dot(facing, way), 0.0), to = max(dot(r.normal, way), 0.0);
     vec3 arrives = by_chance(intensity * (from * inverse / max(max(squared, params.squared_min_distance), 1e-20)), xi, r.numbers.y);
+    if (COATED) arrives *= 1.0 - coat_fresnel(dot(incoming, normalize(incoming - way * inverse)));
     add(r, arrives, way, squared, inverse, from, to, shadow, visible);
 }
 
@@ -91,6 +92,7 @@ struct Diffuse {
     vec3 position;
     vec3 facing;
     vec3 intensity;
+    vec3 incoming; // where its light comes from, if it is coated
     float xi;
     Shadow shadow;
 };
@@ -98,11 +100,13 @@ struct Diffuse {
 Diffuse diffuse_vpl(uint index) {
     VplPoint point = points.at[index];
     vec3 facing = octahedral_snorm16_inverse(point.normal);
-    return Diffuse(point.position, facing, intensities.at[index], chances.at[index].x, shadow_of(index, point.position, facing));
+    vec3 incoming = vec3(0.0);
+    if (COATED) incoming = octahedral_snorm16_inverse(lobes.at[index].incoming);
+    return Diffuse(point.position, facing, intensities.at[index], incoming, chances.at[index].x, shadow_of(index, point.position, facing));
 }
 
 void shade(inout Receiver r, Diffuse it, float visible) {
-    shade_diffuse(r, it.position, it.facing, it.intensity, it.xi, it.shadow, visible);
+    shade_diffuse(r, it.position, it.facing, it.intensity, it.incoming, it.xi, it.shadow, visible);
 }
 
 // And as a glossy one.

@@ -9,6 +9,9 @@ vec3 schlick(vec3 f0, float cosine) {
     return f0 + (1.0 - f0) * (m * m * m * m * m);
 }
 
+// Of the coat of a glossy dielectric.
+float coat_fresnel(float cosine) { return schlick(vec3(0.04), cosine).x; }
+
 // D V of GGX, 1/sr: without Fresnel; cosines of half vector, light and view to the normal.
 float ggx(float alpha, float nh, float nl, float nv) {
     float a2 = alpha * alpha;
@@ -25,7 +28,7 @@ vec3 brdf(vec3 albedo, float metallic, float roughness, bool glossy_dielectric, 
     vec3 dielectric = albedo / PI;
     vec3 metal = vec3(0.0);
     if (glossy_dielectric) {
-        vec3 f = schlick(vec3(0.04), vh);
+        float f = coat_fresnel(vh);
         dielectric = (1.0 - f) * dielectric + f * ggx(alpha, nh, nl, nv);
     }
     if (metallic > 0.0) metal = schlick(albedo, vh) * ggx(alpha, nh, nl, nv);

@@ -54,6 +54,6 @@ fn describe(index: usize, adapter: &Adapter) {
         } else {
             format!("lacks {}", missing.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))
         };
-        println!("   {:<19} {:<21} {verdict}", method.slot, method.name);
+        println!("   {:<20} {:<21} {verdict}", method.slot, method.name);
     }
 }

@@ -22,7 +22,7 @@ pub fn run() -> Result<()> {
     slots.dedup();
     for slot in slots {
         let names: Vec<&str> = METHODS.iter().filter(|method| method.slot == slot).map(|method| method.name).collect();
-        println!("  {slot:<18} {}", names.join(", "));
+        println!("  {slot:<20} {}", names.join(", "));
     }
     println!("\npresets");
     for (name, text) in presets::all() {

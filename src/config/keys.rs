@@ -3,8 +3,8 @@
 
 use super::{
     BounceVisibility, Bounds, Builtin, Centers, Collect, Config, Culling, Dielectric, Emitters, FilterKind, GatherMethod, Importance,
-    Interpolation, IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Receiver, Reflection, Representative, RouletteChoice, Shadows,
-    Shares, SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityMethod, VplSampler,
+    Interpolation, IsmRenderer, Layer, Layers, Lookup, Pattern, PointSet, Rasterization, Receiver, Reflection, Representative,
+    RouletteChoice, Shadows, Shares, SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityMethod, VplSampler,
 };
 use serde::Deserialize;
 use serde::de::{self, Visitor};
@@ -311,6 +311,12 @@ fn list() -> Vec<KeyInfo> {
             "How lights that cannot shine on pixels are left out; all but the stochastic ones leave the picture as it is",
         ),
         key("gather.bounds", Choice(choices::<Bounds>()), "What stochastic culling bounds a glossy light's range by"),
+        key(
+            "gather.rasterization",
+            Choice(choices::<Rasterization>()),
+            "How conservative clusters' bounds find the tiles that they touch: automatic is by the extension where the device has it",
+        ),
+        key("gather.nodes", Whole { min: 1, max: 1 << 24 }, "Nodes that conservative clusters' light lists have room for, 8 bytes each"),
         key("gather.delta", above(0.0, 1e6), "Irradiance facing a light, W/m^2, below which stochastic culling leaves it to chance"),
         key(
             "gather.roulette",

@@ -19,8 +19,8 @@ pub use scene::{Builtin, CameraConfig, CameraKeyframe, Interpolation, LightConfi
 pub use stages::{
     BounceConfig, BounceVisibility, Bounds, BoxConfig, Centers, Collect, ComposeConfig, Culling, Dielectric, DirectConfig, Emitters,
     FilterConfig, FilterKind, FrameConfig, GatherConfig, GatherMethod, Importance, IsmRenderer, Layer, Layers, Lookup, MaterialsConfig,
-    OutputConfig, Pattern, PointSet, Receiver, Reflection, Representative, RouletteChoice, RsmConfig, Shadows, Shares, SsaoConfig,
-    SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityConfig, VisibilityMethod, VplSampler, VplsConfig,
+    OutputConfig, Pattern, PointSet, Rasterization, Receiver, Reflection, Representative, RouletteChoice, RsmConfig, Shadows, Shares,
+    SsaoConfig, SsaoMethod, SsaoResolution, TimingMode, Tonemap, VisibilityConfig, VisibilityMethod, VplSampler, VplsConfig,
 };
 
 use serde::{Deserialize, Serialize};

@@ -377,6 +377,9 @@ pub struct GatherConfig {
     pub interleave: u32,
     pub culling: Culling,
     pub bounds: Bounds,
+    pub rasterization: Rasterization,
+    /// Nodes that the light lists of conservative clusters have room for, 8 bytes each; what more there would be is lost, and counted. 1 to 2^24.
+    pub nodes: u32,
     /// The irradiance that a light brings to a surface facing it, W/m^2, below which stochastic culling leaves it to chance; over 0.
     pub delta: f32,
     pub roulette: RouletteChoice,
@@ -395,6 +398,8 @@ impl Default for GatherConfig {
             interleave: 4,
             culling: Culling::Tiled,
             bounds: Bounds::Ellipsoid,
+            rasterization: Rasterization::Automatic,
+            nodes: 1 << 24,
             delta: 0.001,
             roulette: RouletteChoice::Fixed,
             statistics: false,
@@ -455,6 +460,19 @@ pub enum Bounds {
     SphereVpl,
     /// Nothing: every tile lists every light, diffuse ones too.
     None,
+}
+
+/// How the tiles are found that bounds touch, for light lists of clusters.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rasterization {
+    /// By the extension where the device has it, else by the geometry shader.
+    #[default]
+    Automatic,
+    /// VK_EXT_conservative_rasterization.
+    Extension,
+    /// Which grows each triangle.
+    GeometryShader,
 }
 
 /// The random numbers of stochastic culling.

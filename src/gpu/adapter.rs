@@ -57,12 +57,14 @@ pub enum Feature {
     FragmentStores,
     /// Sums in a colour attachment of R32G32B32A32_SFLOAT.
     BlendedRgba32Float,
+    /// VK_EXT_conservative_rasterization that overestimates, and rasterizes triangles that are too small to have an area.
+    ConservativeRasterization,
     /// Timestamps on the queue that runs graphics and compute.
     Timestamps,
 }
 
 impl Feature {
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Vulkan13,
         Self::PushDescriptors,
         Self::ScalarBlockLayout,
@@ -79,6 +81,7 @@ impl Feature {
         Self::VertexPipelineStores,
         Self::FragmentStores,
         Self::BlendedRgba32Float,
+        Self::ConservativeRasterization,
         Self::Timestamps,
     ];
     /// Without these no slot works.
@@ -104,6 +107,7 @@ impl fmt::Display for Feature {
             Self::VertexPipelineStores => "vertexPipelineStoresAndAtomics",
             Self::FragmentStores => "fragmentStoresAndAtomics",
             Self::BlendedRgba32Float => "blending of R32G32B32A32_SFLOAT colour attachments",
+            Self::ConservativeRasterization => "VK_EXT_conservative_rasterization with degenerateTrianglesRasterized",
             Self::Timestamps => "timestamp queries",
         })
     }
@@ -175,11 +179,16 @@ impl Adapter {
             let mut driver_properties = vk::PhysicalDeviceDriverProperties::default();
             let mut push = vk::PhysicalDevicePushDescriptorPropertiesKHR::default();
             let mut subgroup = vk::PhysicalDeviceSubgroupProperties::default();
+            let mut conservative = vk::PhysicalDeviceConservativeRasterizationPropertiesEXT::default();
+            let has_conservative = has_extension(ash::ext::conservative_rasterization::NAME);
             let mut maintenance4 = vk::PhysicalDeviceMaintenance4Properties::default();
             let mut properties =
                 vk::PhysicalDeviceProperties2::default().push_next(&mut driver_properties).push_next(&mut push).push_next(&mut subgroup);
             if modern {
                 properties = properties.push_next(&mut maintenance4);
+            }
+            if has_conservative {
+                properties = properties.push_next(&mut conservative);
             }
             unsafe { instance.get_physical_device_properties2(handle, &mut properties) };
             driver = format!("{} {}", text(&driver_properties.driver_name), text(&driver_properties.driver_info)).trim().to_owned();
@@ -225,6 +234,7 @@ impl Adapter {
                 Feature::VertexPipelineStores => core.vertex_pipeline_stores_and_atomics == on,
                 Feature::FragmentStores => core.fragment_stores_and_atomics == on,
                 Feature::BlendedRgba32Float => blended,
+                Feature::ConservativeRasterization => has_conservative && conservative.degenerate_triangles_rasterized == on,
                 Feature::Timestamps => timestamp_bits > 0,
             }));
         }

@@ -174,7 +174,10 @@ impl Gpu {
             .scalar_block_layout(true)
             .shader_output_layer(has(Feature::LayerFromVertexShader));
         let mut v13 = vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true).maintenance4(true);
-        let extensions = [khr::push_descriptor::NAME.as_ptr()];
+        let mut extensions = vec![khr::push_descriptor::NAME.as_ptr()];
+        if has(Feature::ConservativeRasterization) {
+            extensions.push(ext::conservative_rasterization::NAME.as_ptr());
+        }
         let priorities = [1.0];
         let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&priorities)];
         let info = vk::DeviceCreateInfo::default()

@@ -20,6 +20,9 @@ pub struct RasterState {
     pub cull_back: bool,
     /// Adds to what the colour targets hold.
     pub additive: bool,
+    /// Of a triangle every pixel that it touches, and not only those whose middle it covers; a device must have
+    /// [`ConservativeRasterization`](super::Feature::ConservativeRasterization).
+    pub conservative: bool,
 }
 
 /// Where a vertex shader's input lies in a vertex: its name there, format and offset.
@@ -172,11 +175,16 @@ impl Gpu {
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(topology);
         let tessellation = vk::PipelineTessellationStateCreateInfo::default().patch_control_points(3);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
-        let raster = vk::PipelineRasterizationStateCreateInfo::default()
+        let mut conservative = vk::PipelineRasterizationConservativeStateCreateInfoEXT::default()
+            .conservative_rasterization_mode(vk::ConservativeRasterizationModeEXT::OVERESTIMATE);
+        let mut raster = vk::PipelineRasterizationStateCreateInfo::default()
             .cull_mode(if state.cull_back { vk::CullModeFlags::BACK } else { vk::CullModeFlags::NONE })
             .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
             .rasterizer_discard_enable(state.color.is_empty() && state.depth.is_none())
             .line_width(1.0);
+        if state.conservative {
+            raster = raster.push_next(&mut conservative);
+        }
         let samples = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
         let depth = vk::PipelineDepthStencilStateCreateInfo::default()
             .depth_test_enable(state.depth.is_some())

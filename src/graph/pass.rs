@@ -67,7 +67,7 @@ pub(super) struct ColorTarget {
 #[derive(Debug, Clone)]
 pub(super) enum Work {
     Compute(Extent),
-    Raster { color: Vec<ColorTarget>, depth: Option<(Image, Load)>, draws: Vec<DrawList> },
+    Raster { color: Vec<ColorTarget>, depth: Option<(Image, Load)>, conservative: bool, draws: Vec<DrawList> },
 }
 
 #[derive(Debug, Clone)]
@@ -201,12 +201,13 @@ pub struct RasterPass<'g> {
     pass: Pass,
     color: Vec<ColorTarget>,
     depth: Option<(Image, Load)>,
+    conservative: bool,
 }
 
 impl<'g> RasterPass<'g> {
     pub(super) fn new(graph: &'g mut Graph, name: &'static str) -> Self {
-        let pass = Pass::new(graph, name, Work::Raster { color: Vec::new(), depth: None, draws: Vec::new() });
-        Self { graph, pass, color: Vec::new(), depth: None }
+        let pass = Pass::new(graph, name, Work::Raster { color: Vec::new(), depth: None, conservative: false, draws: Vec::new() });
+        Self { graph, pass, color: Vec::new(), depth: None, conservative: false }
     }
 
     declarations!();
@@ -241,9 +242,16 @@ impl<'g> RasterPass<'g> {
         self
     }
 
+    /// Draws into every pixel that a triangle touches, on a device that has
+    /// [`ConservativeRasterization`](crate::gpu::Feature::ConservativeRasterization).
+    pub fn conservatively(mut self) -> Self {
+        self.conservative = true;
+        self
+    }
+
     /// Draws these lists in order.
     pub fn draw(mut self, draws: Vec<DrawList>) {
-        self.pass.work = Work::Raster { color: self.color, depth: self.depth, draws };
+        self.pass.work = Work::Raster { color: self.color, depth: self.depth, conservative: self.conservative, draws };
         self.graph.passes.push(self.pass);
     }
 }

@@ -20,11 +20,12 @@ impl Engine {
     pub(super) fn pipeline(&mut self, graph: &Graph, pass: &Pass, list: Option<&DrawList>) -> Result<PipelineId> {
         let raster = match &pass.work {
             Work::Compute(_) => None,
-            Work::Raster { color, depth, .. } => Some(RasterState {
+            Work::Raster { color, depth, conservative, .. } => Some(RasterState {
                 color: color.iter().map(|target| target.image.format).collect(),
                 depth: depth.map(|(image, _)| image.format),
                 cull_back: list.is_some_and(|list| list.cull_back),
                 additive: color.iter().any(|target| target.additive),
+                conservative: *conservative,
             }),
         };
         let mut constants = pass.constants.clone();

@@ -177,7 +177,7 @@ pub(super) fn accesses(pass: &Pass) -> Vec<Access> {
         };
         add(used.resource.index(), stages, kinds);
     }
-    if let Work::Raster { color, depth, draws } = &pass.work {
+    if let Work::Raster { color, depth, draws, .. } = &pass.work {
         let both = Accesses::ATTACHMENT_READ | Accesses::ATTACHMENT_WRITE;
         color.iter().for_each(|target| add(target.image.index as usize, Stages::ATTACHMENT, both));
         depth.iter().for_each(|(image, _)| add(image.index as usize, Stages::ATTACHMENT, both));
@@ -205,7 +205,7 @@ fn record(commands: &mut Commands<'_>, ready: &Ready<'_>, local_size: [u32; 3], 
             bind(commands, &ready.steps[0]);
             commands.dispatch(groups);
         }
-        Work::Raster { color, depth, draws } => {
+        Work::Raster { color, depth, draws, .. } => {
             let attachment = |image: super::Image, load| Attachment { image: placed.images[&(image.index as usize)], load };
             let size =
                 color.iter().map(|target| target.image.size).chain(depth.iter().map(|(image, _)| image.size)).next().unwrap_or([1, 1]);

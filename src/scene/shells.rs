@@ -2,8 +2,8 @@
 
 use super::device::DrawArguments;
 use super::{Vertex, pack};
-use crate::gpu::{BufferId, Gpu};
-use crate::graph::{DrawList, Graph};
+use crate::gpu::{BufferId, Feature, Gpu};
+use crate::graph::{Buffer, DrawList, Graph};
 use anyhow::Result;
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 /// How many triangles bound a sphere.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shell {
+    /// Twenty, of which a shader finds each triangle's three corners by `gl_VertexIndex` in [`Shells::corners`].
+    Corners,
     Twenty,
     Eighty,
 }
@@ -20,14 +22,21 @@ pub struct Shells {
     vertices: BufferId,
     indices: BufferId,
     /// First index, number of indices and first vertex of each.
-    ranges: [[u32; 3]; 2],
+    ranges: [[u32; 3]; 3],
+    corners: Vec<[f32; 3]>,
+    /// The device can rasterize them conservatively by itself.
+    pub conservative: bool,
 }
 
 impl Shells {
     pub fn upload(gpu: &mut Gpu) -> Result<Self> {
-        let (mut vertices, mut indices, mut ranges) = (Vec::new(), Vec::<u32>::new(), [[0; 3]; 2]);
-        for (range, (points, triangles)) in ranges.iter_mut().zip([icosahedron(), divided(&icosahedron())]) {
-            let (points, triangles) = around_the_sphere(points, triangles);
+        let (mut vertices, mut indices, mut ranges) = (Vec::new(), Vec::<u32>::new(), [[0; 3]; 3]);
+        let (points, triangles) = around_the_sphere(icosahedron());
+        let corners: Vec<Vec3> = triangles.iter().flatten().map(|i| points[*i as usize]).collect();
+        let apart = (0..20).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        // Corners begin at vertex 0.
+        let solids = [(corners.clone(), apart), (points, triangles), around_the_sphere(divided(&icosahedron()))];
+        for (range, (points, triangles)) in ranges.iter_mut().zip(solids) {
             *range = [indices.len() as u32, 3 * triangles.len() as u32, vertices.len() as u32];
             // Counter-clockwise from outside; in the view's space, which is left-handed, whoever drops back faces keeps the far sides.
             indices.extend(triangles.iter().flatten());
@@ -43,7 +52,14 @@ impl Shells {
             vertices: gpu.create_filled_buffer("shells/vertices", bytemuck::cast_slice(&vertices))?,
             indices: gpu.create_filled_buffer("shells/indices", bytemuck::cast_slice(&indices))?,
             ranges,
+            corners: corners.into_iter().map(Into::into).collect(),
+            conservative: gpu.adapter.has(Feature::ConservativeRasterization),
         })
+    }
+
+    /// Of [`Shell::Corners`]: three of each triangle, one after the other.
+    pub fn corners(&self, g: &mut Graph, name: &str) -> Buffer {
+        g.upload(name, &self.corners)
     }
 
     /// So many instances of one, with these constants; the far sides alone where `far_sides`.
@@ -118,7 +134,7 @@ fn divided((points, triangles): &Solid) -> Solid {
 }
 
 /// Grown until no face cuts into the sphere, and by what narrow lobes round to beside.
-fn around_the_sphere(points: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Solid {
+fn around_the_sphere((points, triangles): Solid) -> Solid {
     let nearest = triangles
         .iter()
         .map(|t| {
@@ -137,7 +153,7 @@ mod tests {
     fn shells_are_closed_around_the_unit_sphere_and_face_outwards() {
         for ((points, triangles), count) in [(icosahedron(), 20), (divided(&icosahedron()), 80)] {
             assert_eq!((triangles.len(), points.len()), (count, count / 2 + 2));
-            let (points, triangles) = around_the_sphere(points, triangles);
+            let (points, triangles) = around_the_sphere((points, triangles));
             let mut volume = 0.0;
             for t in &triangles {
                 let [a, b, c] = t.map(|i| points[i as usize]);

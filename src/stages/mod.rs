@@ -24,8 +24,9 @@ pub struct Method {
 /// Every method there is.
 pub const METHODS: &[Method] = {
     use Feature::{
-        BlendedRgba32Float, ClipDistance, FilteredRg32Float, FragmentStores, GeometryShader, LargePoints, LayerFromVertexShader,
-        MultiDrawIndirect, ShaderDrawParameters, Snorm16Images, SubgroupBallot, TessellationShader, VertexPipelineStores,
+        BlendedRgba32Float, ClipDistance, ConservativeRasterization, FilteredRg32Float, FragmentStores, GeometryShader, LargePoints,
+        LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters, Snorm16Images, SubgroupBallot, TessellationShader,
+        VertexPipelineStores,
     };
     const fn method(slot: &'static str, name: &'static str, needs: &'static [Feature]) -> Method {
         Method { slot, name, needs }
@@ -64,6 +65,9 @@ pub const METHODS: &[Method] = {
         method("gather.culling", "stochastic-tiled", &[]),
         method("gather.culling", "splatting", &[MultiDrawIndirect, ClipDistance, BlendedRgba32Float]),
         method("gather.culling", "conservative-clusters", &[MultiDrawIndirect, GeometryShader, FragmentStores]),
+        method("gather.rasterization", "automatic", &[]),
+        method("gather.rasterization", "geometry-shader", &[GeometryShader]),
+        method("gather.rasterization", "extension", &[ConservativeRasterization, ClipDistance]),
         method("filter.kind", "bilateral", &[]),
         method("filter.kind", "gaussian", &[]),
         method("filter.kind", "cross-bilateral", &[]),
@@ -81,6 +85,9 @@ pub const METHODS: &[Method] = {
 
 /// Slots that are in use only where VPLs are put into clusters.
 pub const OF_CLUSTERS: &[&str] = &["bounce.layers"];
+
+/// Slots that are in use only where light lists of clusters are made by rasterization.
+pub const OF_SHELLS: &[&str] = &["gather.rasterization"];
 
 /// Slots that are in use only where VPLs have imperfect shadow maps.
 pub const OF_MAPS: &[&str] = &["visibility.points", "visibility.collect", "visibility.renderer"];

@@ -7,6 +7,7 @@ mod common;
 mod culling;
 mod direct;
 mod files;
+mod filter;
 mod flicker;
 mod frames;
 mod functions;

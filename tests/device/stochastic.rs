@@ -2,7 +2,11 @@
 
 use crate::common::*;
 use glam::{DVec3, Vec3};
-use manylight::config::{Bounds, Builtin, Config, Culling, Reflection, RouletteChoice, SceneConfig, VisibilityMethod, VplSampler};
+use manylight::config::{
+    Bounds, Builtin, Config, Culling, Dielectric, Rasterization, Receiver, Reflection, RouletteChoice, SceneConfig, VisibilityMethod,
+    VplSampler,
+};
+use manylight::gpu::Feature;
 use manylight::graph::Execution;
 use manylight::reference::Layer;
 use manylight::renderer::{Rendered, Renderer, load_scene};
@@ -69,6 +73,21 @@ fn culling_loses_nothing_whatever_bounds_it_by_and_whoever_culls() {
                 assert!(count(&rendered, "gather/lost") == 0 && count(&rendered, "gather/nodes") > 10_000);
             }
         }
+        if !renderer.gpu().adapter.has(Feature::ConservativeRasterization) {
+            println!("SKIPPED in part: {} rasterizes nothing conservatively by itself", renderer.gpu().adapter.name);
+            finish(renderer.gpu());
+            continue;
+        }
+        let mut by = |rasterization| {
+            config.gather.rasterization = rasterization;
+            let rendered = render(&mut renderer, &config);
+            (rendered.picture.as_ref().unwrap().irradiance.rgb().collect::<Vec<Vec3>>(), count(&rendered, "gather/nodes"))
+        };
+        let ((extension, listed), (shader, most)) = (by(Rasterization::Extension), by(Rasterization::GeometryShader));
+        println!("lists of {listed} nodes by the extension, {most} by the geometry shader");
+        assert!(apart(&extension, &every) == 0 && apart(&shader, &every) == 0);
+        // The device may find more than what is touched, by a part of a tile.
+        assert!(listed as f64 > 0.98 * most as f64 && (listed as f64) < 1.5 * most as f64);
         finish(renderer.gpu());
     }
 }
@@ -233,6 +252,64 @@ fn a_wall_of_rough_metal_lights_a_box_as_the_path_tracer_says() {
 }
 
 #[test]
+fn a_wall_of_plastic_lights_a_box_as_the_path_tracer_says() {
+    const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
+    // Black plastic reflects by its gloss alone.
+    for (base, reflection) in [([0.0; 3], Reflection::Glossy), ([0.5; 3], Reflection::Both)] {
+        let mut scene = room(&walls(SIZE, [DVec3::splat(0.5); 6]));
+        let wall = scene.draws[4].material as usize;
+        scene.materials[wall] = Material { roughness: 0.3f32.sqrt(), ..matte(base) };
+        // Nothing else is lit.
+        let lamp = spot(Vec3::new(3.0, 2.2, 2.4), Vec3::new(-0.45, -0.3, -1.0), [3000.0, 2500.0, 2000.0], 15.0, 20.0);
+        let mut config = plain([64, 64], Vec3::new(3.6, 1.7, 4.6), Vec3::new(1.0, 0.4, 2.5), 95.0, lamp);
+        config.rsm.size = [128, 128];
+        stochastic(&mut config);
+        config.materials.dielectric = Dielectric::Ggx;
+        config.vpls.reflection = reflection;
+        config.gather.receiver = Receiver::Ggx;
+        config.gather.interleave = 1;
+        config.gather.min_distance = 0.0;
+        config.gather.delta = 1e-6;
+        config.visibility.method = VisibilityMethod::RayTraced;
+        let mut renderer = traced(scene);
+        let sums = reference(&mut renderer, &config, centered(1), 512);
+        let expected = sums.mean(Layer::Bounce(1));
+        let picture = picture(&mut renderer, &config);
+        let found: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| picture.indirect.at(i)).collect();
+        let positions = picture.positions();
+        // Away from edges, where the light of single texels is a spot.
+        let away = |i: usize| {
+            let x = positions[i].as_dvec3();
+            x.z > 0.3 && [x, SIZE - x].iter().flat_map(|d| d.to_array()).filter(|d| *d < 0.3).count() <= 1
+        };
+        let ratio = mean(&found, away) / mean(&expected, away);
+        println!("of base colour {base:?} {ratio:.4} of the path tracer's, whose mean is {:.2e}", mean(&expected, away));
+        assert!(mean(&expected, away) > 0.01);
+        assert!((ratio - 1.0).abs() < 0.03, "{ratio} of the path tracer's");
+        finish(renderer.gpu());
+    }
+}
+
+#[test]
+fn light_lists_that_are_cut_short_say_how_much_is_lost() {
+    let (scene, mut config) = metal(0.1);
+    config.gather.culling = Culling::ConservativeClusters;
+    let mut renderer = renderer(scene);
+    let whole = render(&mut renderer, &config);
+    assert!(whole.warnings().is_empty());
+    let all = count(&whole, "gather/nodes");
+    config.gather.nodes = all as u32 / 2;
+    let cut = render(&mut renderer, &config);
+    assert_eq!(count(&cut, "gather/nodes"), all);
+    assert_eq!(count(&cut, "gather/lost"), all - all / 2);
+    assert!(cut.warnings()[0].contains(&format!("{} nodes found no room", all - all / 2)), "{:?}", cut.warnings());
+    // What is left is lists of the same lights, no more.
+    let total = |rendered: &Rendered| rendered.picture.as_ref().unwrap().irradiance.rgb().map(|e| f64::from(e.element_sum())).sum::<f64>();
+    assert!((0.1..0.9).contains(&(total(&cut) / total(&whole))), "{} of the light is left", total(&cut) / total(&whole));
+    finish(renderer.gpu());
+}
+
+#[test]
 fn a_floor_of_rough_metal_reflects_vpls_as_the_path_tracer_says() {
     const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
     let mut scene = room(&walls(SIZE, [DVec3::splat(0.6); 6]));
@@ -246,7 +323,7 @@ fn a_floor_of_rough_metal_reflects_vpls_as_the_path_tracer_says() {
     config.gather.interleave = 1;
     config.gather.min_distance = 0.0;
     config.gather.delta = 1e-6;
-    config.gather.receiver = manylight::config::Receiver::Ggx;
+    config.gather.receiver = Receiver::Ggx;
     config.visibility.method = VisibilityMethod::RayTraced;
     let mut renderer = traced(scene);
     let sums = reference(&mut renderer, &config, centered(1), 256);

@@ -86,9 +86,11 @@ pub fn indirect(
             (GatherMethod::PerPixel, Culling::StochasticTiled) => {
                 stochastic::tiled(g, gbuffer, vpls, *visibility, roulette, dielectric, config)
             }
-            (GatherMethod::PerPixel, Culling::Splatting) => rivals::splatting(g, shells, gbuffer, vpls, roulette, config).into(),
+            (GatherMethod::PerPixel, Culling::Splatting) => {
+                rivals::splatting(g, shells, gbuffer, vpls, roulette, dielectric, config).into()
+            }
             (GatherMethod::PerPixel, Culling::ConservativeClusters) => {
-                rivals::conservative_clusters(g, shells, gbuffer, vpls, roulette, config).into()
+                rivals::conservative_clusters(g, shells, gbuffer, vpls, roulette, dielectric, config).into()
             }
             (GatherMethod::PerPixel, Culling::None | Culling::Tiled | Culling::Clustered) => {
                 per_pixel(g, gbuffer, vpls, *visibility, config).into()

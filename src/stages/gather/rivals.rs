@@ -1,8 +1,8 @@
 //! What stochastic light culling by tiles was measured against (Tokuyoshi and Harada 2017, table 2): the same VPLs, ranges and sums, by
 //! rasterized bounds.
 
-use super::stochastic::{Ranges, Roulette, StochasticParams, ranges, statistics};
-use crate::config::GatherConfig;
+use super::stochastic::{Ranges, Roulette, StochasticParams, is_coated, ranges, statistics};
+use crate::config::{Dielectric, GatherConfig, Rasterization};
 use crate::gpu::Format;
 use crate::graph::{DrawList, Graph, Image};
 use crate::scene::shells::{Shell, Shells};
@@ -24,9 +24,6 @@ shader_struct! {
 /// Pixels of a tile's side, and slices of its depth: `glsl/gather/shell-cluster.glsl`.
 const TILE: u32 = 16;
 const SLICES: u32 = 32;
-
-/// Nodes of the light lists: half of the paper's 256 MB, which is as large as every driver lets a buffer be.
-const NODES: u32 = 1 << 24;
 
 /// Bytes of what [`conservative_clusters`] keeps of one kind of VPLs: two words for each and each tile of its sample set.
 pub fn shell_bytes(size: [u32; 2], interleave: u32, vpls: u32) -> u64 {
@@ -53,6 +50,7 @@ pub(super) fn splatting(
     gbuffer: &GBuffer,
     vpls: &Vpls,
     roulette: Roulette,
+    dielectric: Dielectric,
     config: &GatherConfig,
 ) -> Image {
     let Ranges { spheres, spheroids, chances, lobes } = ranges(g, gbuffer, vpls, roulette, config);
@@ -71,6 +69,7 @@ pub(super) fn splatting(
         .reads("spheroids", spheroids)
         .reads("chances", chances)
         .constant("INTERLEAVE", n)
+        .constant("COATED", is_coated(vpls, dielectric))
         .params(&StochasticParams::of(vpls, config))
         .color_sum("sum", sorted)
         .draw(lists);
@@ -91,6 +90,7 @@ pub(super) fn conservative_clusters(
     gbuffer: &GBuffer,
     vpls: &Vpls,
     roulette: Roulette,
+    dielectric: Dielectric,
     config: &GatherConfig,
 ) -> Image {
     let Ranges { spheres, spheroids, chances, lobes } = ranges(g, gbuffer, vpls, roulette, config);
@@ -101,9 +101,20 @@ pub(super) fn conservative_clusters(
     let shells_of = |there: bool| if there { vpls.count * in_set } else { 1 };
     let diffuse_shells = g.zeroed::<[u32; 2]>("gather/diffuse-shells", shells_of(vpls.diffuse));
     let glossy_shells = g.zeroed::<[u32; 2]>("gather/glossy-shells", shells_of(vpls.lobes.is_some()));
-    let lists = bounds(g, shells, vpls, Shell::Twenty, false);
-    g.raster("gather/shells")
-        .reads("view", gbuffer.view)
+    let by_extension = match config.rasterization {
+        Rasterization::Automatic => shells.conservative,
+        Rasterization::Extension => true,
+        Rasterization::GeometryShader => false,
+    };
+    let lists = bounds(g, shells, vpls, if by_extension { Shell::Corners } else { Shell::Twenty }, false);
+    let pass = match by_extension {
+        true => {
+            let corners = shells.corners(g, "gather/corners");
+            g.raster("gather/shells").shader("gather/shells-extension").reads("corners", corners).conservatively()
+        }
+        false => g.raster("gather/shells"),
+    };
+    pass.reads("view", gbuffer.view)
         .reads("spheres", spheres)
         .reads("spheroids", spheroids)
         .updates("diffuse_shells", diffuse_shells)
@@ -112,7 +123,7 @@ pub(super) fn conservative_clusters(
         .color("touched", touched, [0.0; 4])
         .draw(lists);
     let heads = g.buffer::<[u32; 2]>("gather/heads", n * n * in_set * SLICES);
-    let nodes = g.buffer::<[u32; 2]>("gather/list-nodes", NODES);
+    let nodes = g.buffer::<[u32; 2]>("gather/list-nodes", config.nodes);
     let (used, lost) = (g.count("gather/nodes"), g.count("gather/lost"));
     g.compute("gather/shell-lists")
         .reads("view", gbuffer.view)
@@ -125,7 +136,7 @@ pub(super) fn conservative_clusters(
         .constant("INTERLEAVE", n)
         .constant("DIFFUSE", vpls.diffuse)
         .constant("LOBES", vpls.lobes.is_some())
-        .params(&ShellListsParams { count: vpls.count, capacity: NODES })
+        .params(&ShellListsParams { count: vpls.count, capacity: config.nodes })
         .dispatch_groups([tiles[0], tiles[1], n * n]);
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
     let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.statistics { gbuffer.size } else { [1, 1] });
@@ -144,6 +155,7 @@ pub(super) fn conservative_clusters(
         .writes("irradiance", irradiance)
         .constant("INTERLEAVE", n)
         .constant("STATISTICS", config.statistics)
+        .constant("COATED", is_coated(vpls, dielectric))
         .params(&StochasticParams::of(vpls, config))
         .dispatch_groups([groups[0], groups[1], 1]);
     if config.statistics {

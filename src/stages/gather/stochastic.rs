@@ -100,6 +100,11 @@ pub(super) fn ranges(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, Roulette(see
     ranges
 }
 
+/// Whether diffuse VPLs have a coat that takes its share of their light: where that shines as lobes.
+pub(super) fn is_coated(vpls: &Vpls, dielectric: Dielectric) -> bool {
+    dielectric == Dielectric::Ggx && vpls.lobes.is_some()
+}
+
 /// Culls by tiles and sums in one pass (section 5).
 pub(super) fn tiled(
     g: &mut Graph,
@@ -146,6 +151,7 @@ pub(super) fn tiled(
         .constant("STATISTICS", config.statistics)
         .constant("GLOSSY_RECEIVER", reflects)
         .constant("GLOSSY_DIELECTRIC", dielectric == Dielectric::Ggx)
+        .constant("COATED", is_coated(vpls, dielectric))
         .params(&StochasticParams::of(vpls, config))
         .dispatch_groups([groups[0], groups[1], 1]);
     if config.statistics {

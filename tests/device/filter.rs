@@ -1,0 +1,68 @@
+//! Filters of the indirect light: what they take away and what they leave.
+
+use crate::common::*;
+use glam::{DVec3, Vec3};
+use manylight::config::{Config, FilterKind};
+use manylight::renderer::Renderer;
+
+const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
+const KINDS: [FilterKind; 3] = [FilterKind::Bilateral, FilterKind::Gaussian, FilterKind::CrossBilateral];
+
+/// A room whose far wall, z = 0, is all that a lamp lights.
+fn lit_wall(target: Vec3, fov_y_deg: f32) -> (Renderer, Config) {
+    let renderer = renderer(room(&walls(SIZE, [DVec3::splat(0.6); 6])));
+    let lamp = spot(Vec3::new(2.0, 1.5, 4.0), Vec3::new(0.0, 0.0, -1.0), [30.0; 3], 12.0, 18.0);
+    let mut config = plain([120, 90], Vec3::new(2.0, 1.6, 3.0), target, fov_y_deg, lamp);
+    config.vpls.count = 256;
+    (renderer, config)
+}
+
+fn indirect(renderer: &mut Renderer, config: &Config) -> (Vec<f32>, Vec<Vec3>) {
+    let picture = picture(renderer, config);
+    ((0..120 * 90).map(|i| picture.indirect.at(i)[0]).collect(), picture.positions())
+}
+
+/// Mean difference over mean, of the chosen pixels.
+fn off(values: &[f32], truth: &[f32], chosen: &dyn Fn(usize) -> bool) -> f64 {
+    let pixels = || (0..values.len()).filter(|i| chosen(*i));
+    let difference: f64 = pixels().map(|i| f64::from((values[i] - truth[i]).abs())).sum();
+    difference / pixels().map(|i| f64::from(truth[i])).sum::<f64>()
+}
+
+#[test]
+fn every_filter_takes_the_pattern_of_interleaving_away() {
+    // The floor, far enough from the lit wall.
+    let (mut renderer, mut config) = lit_wall(Vec3::new(2.0, 0.0, 2.2), 40.0);
+    let (truth, positions) = indirect(&mut renderer, &config);
+    let on_floor = |i: usize| positions[i].y < 1e-3 && (1.0..4.0).contains(&positions[i].z);
+    config.gather.interleave = 4;
+    let noisy = off(&indirect(&mut renderer, &config).0, &truth, &on_floor);
+    for kind in KINDS {
+        config.filter.kind = kind;
+        let left = off(&indirect(&mut renderer, &config).0, &truth, &on_floor);
+        println!("{kind:?}: {left:.5} of {noisy:.4} is left");
+        assert!(left < 0.02 * noisy, "{kind:?} leaves {left} of {noisy}");
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn no_filter_crosses_the_edge_between_a_wall_and_a_floor() {
+    // The lit wall faces neither, and the floor is nearer to it. So close that light hardly changes over a filter's width.
+    let (mut renderer, mut config) = lit_wall(Vec3::new(4.0, 0.0, 2.0), 8.0);
+    let (truth, positions) = indirect(&mut renderer, &config);
+    let beside = |i: usize| positions[i].y < 0.02 && positions[i].x > 3.98;
+    assert!((0..truth.len()).filter(|i| beside(*i)).count() > 500);
+    config.filter.radius = Some(8);
+    for kind in KINDS {
+        config.filter.kind = kind;
+        (config.filter.normal_threshold_deg, config.filter.plane_distance) = (25.0, 0.02);
+        let keeping = off(&indirect(&mut renderer, &config).0, &truth, &beside);
+        (config.filter.normal_threshold_deg, config.filter.plane_distance) = (90.0, 1e6);
+        let crossing = off(&indirect(&mut renderer, &config).0, &truth, &beside);
+        println!("{kind:?}: off by {keeping:.4}, without thresholds {crossing:.4}");
+        // At 90 degrees the cross bilateral one still counts no more than e^-2.
+        assert!(keeping < 0.01 && crossing > 3.0 * keeping, "{kind:?}: off by {keeping}, without thresholds {crossing}");
+    }
+    finish(renderer.gpu());
+}
