@@ -14,6 +14,11 @@ pub fn tables() -> Vec<(&'static str, &'static str)> {
     CONFIGS.get_dir("tables").map(texts).unwrap_or_default()
 }
 
+/// Every view's name and text, by name: `configs/views/*.toml`, each a scene that does not come with the program, a camera and its light.
+pub fn views() -> Vec<(&'static str, &'static str)> {
+    CONFIGS.get_dir("views").map(texts).unwrap_or_default()
+}
+
 fn texts(folder: &'static Dir<'static>) -> Vec<(&'static str, &'static str)> {
     let mut presets: Vec<_> = folder
         .files()

@@ -98,7 +98,7 @@ impl Rendered {
             )
         };
         let lost = self.counts.iter().filter(|(name, count)| name.starts_with("gather/lost") && *count > 0).map(|(_, count)| {
-            format!("gather.culling: {count} nodes found no room in the clusters' light lists, and their light is missing; raise gather.delta, gather.interleave or gather.nodes")
+            format!("gather.culling: {count} nodes found no room in the clusters' light lists, and their light is missing; raise gather.delta or gather.interleave")
         });
         dropped.map(warning).chain(lost).collect()
     }

@@ -3,7 +3,7 @@
 
 struct ShellTriangle {
     vec3 plane;  // (x, y, 1), a place in tiles of all pictures, times this is one over the distance; zeros if it is seen from its edge
-    vec2 range;  // of one over the distance, of what lies before the near plane
+    vec2 range;  // of one over the distance, of what lies beyond the near plane
     bool behind; // on the far side
 };
 

@@ -18,7 +18,7 @@ out gl_PerVertex {
 
 void main() {
     uint index = gl_InstanceIndex, vertex = gl_VertexIndex, corner = vertex % 3u, first = vertex - corner;
-    // Before the near plane, so that nothing is left of it.
+    // Nearer than the near plane, so that nothing is left of it.
     gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
     gl_ClipDistance[0] = gl_ClipDistance[1] = gl_ClipDistance[2] = gl_ClipDistance[3] = -1.0;
     out_plane = vec3(0.0);

@@ -22,7 +22,7 @@ out gl_PerVertex { vec4 gl_Position; };
 
 void main() {
     if (in_vpl[0] == 0xffffffffu) return;
-    // At most four corners are before the near plane.
+    // At most four corners lie beyond the near plane.
     vec3 corners[4];
     int count = 0;
     float near = view.it.near;

@@ -44,7 +44,7 @@ float reflect_from(inout Receiver r, vec3 light, vec3 to_light) {
         if (f90 > 0.0) {
             vec3 v = normalize(view.it.position - r.position), h = normalize(to_light + v);
             float nv = max(dot(r.normal, v), 1e-4);
-            if (GLOSSY_DIELECTRIC) left = 1.0 - coat_fresnel(dot(v, h));
+            if (GLOSSY_DIELECTRIC && mr.x < 1.0) left = 1.0 - coat_fresnel(dot(v, h));
             r.reflected += light * lobe_fresnel(f0, f90, dot(v, h)) *
                            ggx(max(mr.y * mr.y, 1e-3), max(dot(r.normal, h), 0.0), max(dot(r.normal, to_light), 0.0), nv);
         }

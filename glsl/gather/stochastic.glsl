@@ -73,7 +73,7 @@ void shade_diffuse(inout Receiver r, vec3 position, vec3 facing, vec3 intensity,
     float squared = dot(way, way), inverse = inversesqrt(max(squared, 1e-20));
     float from = max(-dot(facing, way), 0.0), to = max(dot(r.normal, way), 0.0);
     vec3 arrives = by_chance(intensity * (from * inverse / max(max(squared, params.squared_min_distance), 1e-20)), xi, r.numbers.y);
-    if (COATED) arrives *= 1.0 - coat_fresnel(dot(incoming, normalize(incoming - way * inverse)));
+    if (COATED && largest(arrives) > 0.0) arrives *= 1.0 - coat_fresnel(dot(incoming, normalize(incoming - way * inverse)));
     add(r, arrives, way, squared, inverse, from, to, shadow, visible);
 }
 

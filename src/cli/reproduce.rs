@@ -42,6 +42,10 @@ pub struct ReproduceArgs {
     /// Set a key of the config in every cell, as in --set scene.triangles=20000; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     sets: Vec<String>,
+    /// A folder of scenes that tables know but that do not come with the program, such as sponza.glb; what is not there has a built-in
+    /// scene stand for it
+    #[arg(long, value_name = "DIR")]
+    pub scenes: Option<PathBuf>,
     /// The device to render on: part of its name, its index in `manylight list`, or cpu
     #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = device)]
     pub device: Option<DeviceChoice>,

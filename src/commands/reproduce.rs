@@ -23,7 +23,7 @@ pub fn run(args: &ReproduceArgs) -> Result<()> {
     let tables = args.tables.iter().map(|name| named(name)).collect::<Result<Vec<_>>>()?.concat();
     let mut planned: Vec<(Table, Plan, PathBuf)> = Vec::new();
     for (text, path) in tables {
-        let table = read::table(&text, &path)?;
+        let table = read::table(&text, &path, args.scenes.as_deref())?;
         let plan = Plan::of(&table, &args.sweep())?;
         let folder = args.output().join(&table.name);
         if let Some((other, ..)) = planned.iter().find(|(other, ..)| other.name == table.name) {

@@ -378,7 +378,8 @@ pub struct GatherConfig {
     pub culling: Culling,
     pub bounds: Bounds,
     pub rasterization: Rasterization,
-    /// Nodes that the light lists of conservative clusters have room for, 8 bytes each; what more there would be is lost, and counted. 1 to 2^24.
+    /// Nodes that the light lists of conservative clusters have room for, 8 bytes each; what more there would be is lost, and counted. 1 to
+    /// 2^24: half of the paper's 256 MB, which is as large as every driver lets a buffer be.
     pub nodes: u32,
     /// The irradiance that a light brings to a surface facing it, W/m^2, below which stochastic culling leaves it to chance; over 0.
     pub delta: f32,

@@ -53,7 +53,7 @@ impl Shells {
             indices: gpu.create_filled_buffer("shells/indices", bytemuck::cast_slice(&indices))?,
             ranges,
             corners: corners.into_iter().map(Into::into).collect(),
-            conservative: gpu.adapter.has(Feature::ConservativeRasterization),
+            conservative: gpu.adapter.missing(&[Feature::ConservativeRasterization, Feature::ClipDistance]).is_empty(),
         })
     }
 

@@ -41,6 +41,8 @@ pub struct Table {
     relative_to: Option<Place>,
     base: crate::config::Base,
     set: Option<Node>,
+    /// The scene that the base's stands for, where it is to be had.
+    original: Option<Node>,
 }
 
 /// A row or a column.

@@ -80,7 +80,7 @@ impl Plan {
         let mut of_cell = vec![vec![0; table.columns.len()]; table.rows.len()];
         for (row, column) in table.places() {
             let (of_row, of_column) = (&table.rows[row], &table.columns[column]);
-            let sets: Vec<_> = [&table.set, &of_row.set, &of_column.set].into_iter().flatten().collect();
+            let sets: Vec<_> = [&table.original, &table.set, &of_row.set, &of_column.set].into_iter().flatten().collect();
             let walks = matches!(table.measure(row, column).what, What::Flicker { .. });
             let config = table
                 .base

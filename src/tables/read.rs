@@ -9,12 +9,13 @@ use crate::walk::Intensity;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 
-/// Reads a table that would be at `path`, which relative bases and scenes start from.
+/// Reads a table that would be at `path`, which relative bases and scenes start from. What stands for a scene is replaced by it where the
+/// folder `scenes` has its file; the deviations say which did not.
 ///
 /// # Errors
 /// `BadInput` with file, line and key: unknown keys, presets and measures; cells without a measure; rows, columns and figures that
 /// do not fit each other.
-pub fn table(text: &str, path: &Path) -> Result<Table> {
+pub fn table(text: &str, path: &Path, scenes: Option<&Path>) -> Result<Table> {
     let root = document(text, path)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let keys = [
@@ -23,6 +24,7 @@ pub fn table(text: &str, path: &Path) -> Result<Table> {
         "about",
         "base",
         "set",
+        "instead_of",
         "measure",
         "relative_to",
         "reference",
@@ -33,8 +35,14 @@ pub fn table(text: &str, path: &Path) -> Result<Table> {
         "column",
     ];
     let tree = section(&root, "", &keys)?;
-    let rows = lines(tree, "row", &root.origin)?;
-    let columns = lines(tree, "column", &root.origin)?;
+    let mut stand_ins = Vec::new();
+    let original = match tree.get("instead_of") {
+        Some(node) => original(node, "instead_of", "The base's scene", scenes)?.map_err(|absent| stand_ins.push(absent)).ok(),
+        None => None,
+    }
+    .map(|(_, config)| config);
+    let rows = lines(tree, "row", &root.origin, scenes, &mut stand_ins)?;
+    let columns = lines(tree, "column", &root.origin, scenes, &mut stand_ins)?;
     let names =
         Names { rows: rows.iter().map(|l| l.0.name.clone()).collect(), columns: columns.iter().map(|l| l.0.name.clone()).collect() };
     let finish = |lines: Vec<(Line, Option<&Node>)>, path: &str| -> Result<Vec<Line>> {
@@ -55,7 +63,14 @@ pub fn table(text: &str, path: &Path) -> Result<Table> {
         },
         source: optional_text(tree, "source")?,
         about: optional_text(tree, "about")?,
-        deviations: tree.get("deviations").map(|node| texts(node, "deviations")).transpose()?.unwrap_or_default(),
+        deviations: tree
+            .get("deviations")
+            .map(|node| texts(node, "deviations"))
+            .transpose()?
+            .into_iter()
+            .flatten()
+            .chain(stand_ins)
+            .collect(),
         reference: tree.get("reference").map_or(Ok(ReferenceGoal::default()), reference)?,
         sheet: match tree.get("sheet") {
             None => false,
@@ -64,6 +79,7 @@ pub fn table(text: &str, path: &Path) -> Result<Table> {
         },
         base: base(tree, &root.origin, path)?,
         set: tree.get("set").map(|node| partial(node, "set")).transpose()?,
+        original,
         name,
         published,
         rows,
@@ -149,16 +165,22 @@ fn base(tree: &Tree, origin: &Origin, path: &Path) -> Result<Base> {
 }
 
 /// The rows or the columns, each with what it measures, which can only be read once all names are known.
-fn lines<'n>(tree: &'n Tree, key: &str, root: &Origin) -> Result<Vec<(Line, Option<&'n Node>)>> {
+fn lines<'n>(
+    tree: &'n Tree,
+    key: &str,
+    root: &Origin,
+    scenes: Option<&Path>,
+    stand_ins: &mut Vec<String>,
+) -> Result<Vec<(Line, Option<&'n Node>)>> {
     let Some(node) = tree.get(key) else {
         return Err(error(root, key, format_args!("is missing; a table has [[{key}]] tables with a name each")));
     };
     let mut lines: Vec<(Line, Option<&Node>)> = Vec::new();
     for (i, item) in items(node, key)?.iter().enumerate() {
         let path = format!("{key}.{i}");
-        let tree = section(item, &path, &["name", "set", "measure", "own"])?;
+        let tree = section(item, &path, &["name", "set", "instead_of", "measure", "own"])?;
         let Some(name) = tree.get("name") else { return Err(error(&item.origin, &path, "needs a name")) };
-        let text = text_of(name, &join(&path, "name"))?.to_owned();
+        let mut text = text_of(name, &join(&path, "name"))?.to_owned();
         if lines.iter().any(|(line, _)| line.name == text) {
             return Err(error(&name.origin, &join(&path, "name"), format_args!("{} is there twice", quoted(&text))));
         }
@@ -169,13 +191,48 @@ fn lines<'n>(tree: &'n Tree, key: &str, root: &Origin) -> Result<Vec<(Line, Opti
                 return Err(error(&node.origin, &join(&path, "own"), format_args!("expects true or false, found {}", node.found())));
             }
         };
-        let set = tree.get("set").map(|node| partial(node, &join(&path, "set"))).transpose()?;
+        let mut set = tree.get("set").map(|node| partial(node, &join(&path, "set"))).transpose()?;
+        if let Some(node) = tree.get("instead_of") {
+            match original(node, &join(&path, "instead_of"), &text, scenes)? {
+                Ok((name, config)) => (text, set) = (name, Some(config)),
+                Err(absent) => stand_ins.push(absent),
+            }
+        }
         lines.push((Line { name: text, set, measure: None, own, origin: item.origin.clone() }, tree.get("measure")));
     }
     if lines.is_empty() {
         return Err(error(&node.origin, key, "is empty"));
     }
     Ok(lines)
+}
+
+/// The view that something stands for, as its name and what it sets; or else, where its scene is not in the folder, a sentence that says so.
+fn original(node: &Node, path: &str, stand_in: &str, scenes: Option<&Path>) -> Result<Result<(String, Node), String>> {
+    let name = text_of(node, path)?;
+    let views = presets::views();
+    let Some((_, text)) = views.iter().find(|(known, _)| *known == name) else {
+        let names: Vec<&str> = views.iter().map(|(name, _)| *name).collect();
+        let hint =
+            nearest(name, &names).map_or_else(|| format!("views are {}", names.join(", ")), |near| format!("did you mean \"{near}\"?"));
+        return Err(error(&node.origin, path, format_args!("there is no view {}; {hint}", quoted(name))));
+    };
+    // As if it lay in the folder, where its scene is.
+    let view = document(text, &scenes.unwrap_or(Path::new("")).join(name).with_extension("toml"))?;
+    let file = match &view.value {
+        Value::Table(tree) => match tree.get("scene").map(|scene| &scene.value) {
+            Some(Value::Table(scene)) => text_of(&scene["file"], "scene.file")?.to_owned(),
+            _ => unreachable!("a view has a scene"),
+        },
+        _ => unreachable!("a document is a table"),
+    };
+    let title = presets::title(text).to_owned();
+    Ok(match scenes {
+        None => Err(format!("{stand_in} stands for {title}; --scenes takes a folder that has {file}.")),
+        Some(folder) if !folder.join(&file).is_file() => {
+            Err(format!("{stand_in} stands for {title}: {} is not there.", folder.join(&file).display()))
+        }
+        Some(_) => Ok((title, view)),
+    })
 }
 
 const MEASURES: [&str; 6] = ["time", "ratio", "error", "flicker", "count", "memory"];

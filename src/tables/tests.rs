@@ -44,14 +44,14 @@ own = true
 "#;
 
 fn small() -> Table {
-    read::table(SMALL, Path::new("small.toml")).unwrap_or_else(|error| panic!("{error:#}"))
+    read::table(SMALL, Path::new("small.toml"), None).unwrap_or_else(|error| panic!("{error:#}"))
 }
 
 #[test]
 fn every_table_that_comes_with_the_program_can_be_read_and_planned() {
     assert!(presets::tables().len() >= 2);
     for (name, text) in presets::tables() {
-        let table = read::table(text, &Path::new(name).with_extension("toml")).unwrap_or_else(|error| panic!("{error:#}"));
+        let table = read::table(text, &Path::new(name).with_extension("toml"), None).unwrap_or_else(|error| panic!("{error:#}"));
         let plan = Plan::of(&table, &Sweep { scale: 0.25, quick: true, sets: Vec::new() }).unwrap_or_else(|error| panic!("{error:#}"));
         assert!(!plan.runs.is_empty(), "{name}");
         assert!(!presets::title(text).is_empty(), "{name}: says nothing of itself in manylight list");
@@ -136,7 +136,7 @@ fn runs_of_two_devices_do_not_go_into_one_table() {
 #[test]
 fn a_truth_is_shared_by_runs_that_differ_in_the_pipeline_alone() {
     let (_, text) = presets::tables().into_iter().find(|(name, _)| *name == "vpl-count").unwrap();
-    let table = read::table(text, Path::new("vpl-count.toml")).unwrap();
+    let table = read::table(text, Path::new("vpl-count.toml"), None).unwrap();
     let plan = Plan::of(&table, &Sweep::default()).unwrap();
     assert!(plan.runs.iter().all(|run| run.needs_reference));
     let keys: std::collections::BTreeSet<String> = plan.runs.iter().map(|run| run.reference_key(&table)).collect();
@@ -190,7 +190,7 @@ fn mistakes_are_refused_by_file_line_and_key() {
         assert!(SMALL.contains(from), "{from}");
         let error = format!(
             "{:#}",
-            read::table(&SMALL.replacen(from, to, 1), Path::new("small.toml")).err().unwrap_or_else(|| panic!("{to} was taken"))
+            read::table(&SMALL.replacen(from, to, 1), Path::new("small.toml"), None).err().unwrap_or_else(|| panic!("{to} was taken"))
         );
         assert!(error.contains(expected), "{to}: {error}");
     }
@@ -205,9 +205,38 @@ fn mistakes_are_refused_by_file_line_and_key() {
         ("gather = { interleave = 4 }", "scene = { file = \"none.glb\" }", "none.glb does not exist"),
     ];
     for (from, to, expected) in cells {
-        let table = read::table(&SMALL.replacen(from, to, 1), Path::new("small.toml")).unwrap();
+        let table = read::table(&SMALL.replacen(from, to, 1), Path::new("small.toml"), None).unwrap();
         let error = format!("{:#}", Plan::of(&table, &Sweep::default()).err().unwrap_or_else(|| panic!("{to} was taken")));
         assert!(error.contains(expected), "{to}: {error}");
     }
     assert!(matches!(small().measure(0, 0).what, What::Time { .. }));
+}
+
+#[test]
+fn a_view_takes_its_stand_ins_place_where_its_scene_is() {
+    let text = SMALL.replacen("own = true", "own = true\ninstead_of = \"sibenik\"", 1);
+    let read = |scenes| read::table(&text, Path::new("small.toml"), scenes).unwrap_or_else(|error| panic!("{error:#}"));
+    let scenes = |table: &Table| {
+        let runs = Plan::of(table, &Sweep::default()).unwrap_or_else(|error| panic!("{error:#}")).runs;
+        runs.into_iter().map(|run| run.config.scene.file).collect::<Vec<_>>()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for (table, says) in [(read(None), "--scenes"), (read(Some(folder.path())), "sibenik.glb is not there")] {
+        assert_eq!(table.columns[2].name, "error");
+        assert!(
+            table.deviations[1].starts_with("error stands for Sibenik") && table.deviations[1].contains(says),
+            "{:?}",
+            table.deviations
+        );
+        assert_eq!(scenes(&table), [None, None]);
+    }
+    let file = folder.path().join("sibenik.glb");
+    std::fs::write(&file, "").unwrap();
+    let table = read(Some(folder.path()));
+    let runs = scenes(&table);
+    assert_eq!((table.columns[2].name.as_str(), table.deviations.len()), ("Sibenik", 1));
+    assert_eq!(runs, [None, Some(file.clone()), None, Some(file)]);
+    let wrong = text.replace("\"sibenik\"", "\"sibenic\"");
+    let error = format!("{:#}", read::table(&wrong, Path::new("small.toml"), None).err().unwrap());
+    assert!(error.contains("did you mean \"sibenik\"?"), "{error}");
 }

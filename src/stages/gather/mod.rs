@@ -59,7 +59,7 @@ pub const MOST_TURNS: u64 = 60_000;
 /// Indirect light at the pixels.
 #[derive(Debug, Clone, Copy)]
 pub struct Indirect {
-    /// W/m^2.
+    /// W/m^2; with glossy receivers less what a dielectric's coat reflects of it.
     pub irradiance: Image,
     /// Radiance to the eye that surfaces' gloss makes of it; there where it is wanted.
     pub reflection: Option<Image>,
