@@ -2,8 +2,9 @@
 // asks for). One workgroup: VPLs are shared out among its invocations for the distances, clusters and parts of the VPLs for the
 // sums, whose order is fixed. Whoever includes it defines
 //     float kept(uint i);
-// the share of what VPL i reflects that is thought to stay in the scene. A VPL counts by it: a roof that shines into the sky lies near no
-// court's VPLs in what it lights, though it may in place and normal.
+//     float counts(uint i);
+// the share of what VPL i reflects that is thought to stay in the scene, and how much it counts in its cluster's middle. By what it lights: a
+// roof that shines into the sky lies near no court's VPLs in that, though it may in place and normal.
 #include "bounce/cluster.glsl"
 #include "lib/packing.glsl"
 #include "lib/random.glsl"
@@ -50,6 +51,7 @@ shared uint numbers[INVOCATIONS];
 shared bool moved;
 
 float kept(uint i);
+float counts(uint i);
 
 bool is_lit(uint i) { return any(greaterThan(intensities.at[i], vec3(0.0))); }
 
@@ -76,7 +78,7 @@ void main() {
             float least = 0.0;
             uint chosen = NO_CLUSTER;
             for (uint i = me; i < params.count; i += INVOCATIONS) {
-                float weight = is_lit(i) ? kept(i) : 0.0;
+                float weight = is_lit(i) ? counts(i) : 0.0;
                 if (weight == 0.0) continue;
                 float nearest = 1.0;
                 if (j > 0u) {
@@ -149,8 +151,8 @@ void main() {
         vec3 more = vec3(0.0);
         for (uint i = begin; i < end; i++) {
             if (labels.at[i] == mine) {
-                sum += kept(i) * vec4(points.at[i].position, 1.0);
-                more += kept(i) * normal_of(i);
+                sum += counts(i) * vec4(points.at[i].position, 1.0);
+                more += counts(i) * normal_of(i);
             }
         }
         sums[me] = sum;
@@ -167,7 +169,7 @@ void main() {
             if (sum.w > 0.0) {
                 place[me] = sum.xyz / sum.w;
                 // Normals that cancel leave the last one.
-                if (dot(more, more) > 1e-12) facing[me] = normalize(more);
+                if (dot(more, more) > 1e-12 * sum.w * sum.w) facing[me] = normalize(more);
             }
         }
         barrier();
