@@ -105,6 +105,8 @@ fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
         "--check-nan",
         "--dump",
         "rsm/draw",
+        "--dump",
+        "compose/sum",
     ]));
     succeeded(&output);
     let stdout = text(&output.stdout);
@@ -114,7 +116,7 @@ fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
     let files = place.files("out");
     let plain: Vec<&String> = files.iter().filter(|file| !file.starts_with("dump")).collect();
     assert_eq!(plain, ["image.exr", "image.png", "run.json", "timings.csv"]);
-    assert_eq!(files.len() - plain.len(), 3, "the map's three images: {files:?}");
+    assert_eq!(files.len() - plain.len(), 6, "the map's three images, the sum's three: {files:?}");
 
     let exr = read_exr(&place.path("out/image.exr")).unwrap();
     assert_eq!((exr.width, exr.height), (64, 48));
@@ -137,6 +139,7 @@ fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
 
     let png = image::open(place.path("out/image.png")).unwrap();
     assert_eq!((png.width(), png.height()), (64, 48));
+    assert_eq!(image::open(place.path("out/dump/compose.sum/compose.image.png")).unwrap(), png, "a picture is dumped as it is");
 
     let csv = fs::read_to_string(place.path("out/timings.csv")).unwrap();
     let rows: Vec<&str> = csv.lines().filter(|line| !line.starts_with('#')).collect();

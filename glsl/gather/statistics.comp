@@ -14,8 +14,10 @@ layout(rgba32f) readonly uniform image2D numbers;
 layout(scalar) buffer Pixels { uint count; } pixels;
 layout(scalar) buffer DiffuseListed { uint count; } diffuse_listed;
 layout(scalar) buffer DiffuseLit { uint count; } diffuse_lit;
+layout(scalar) buffer DiffuseWrong { uint count; } diffuse_wrong;
 layout(scalar) buffer GlossyListed { uint count; } glossy_listed;
 layout(scalar) buffer GlossyLit { uint count; } glossy_lit;
+layout(scalar) buffer GlossyWrong { uint count; } glossy_wrong;
 layout(rgba8) writeonly uniform image2D picture;
 
 void main() {
@@ -26,8 +28,10 @@ void main() {
         atomicAdd(pixels.count, 1u);
         atomicAdd(diffuse_listed.count, number.x);
         atomicAdd(diffuse_lit.count, number.y);
+        atomicAdd(diffuse_wrong.count, number.x - number.y);
         atomicAdd(glossy_listed.count, number.z);
         atomicAdd(glossy_lit.count, number.w);
+        atomicAdd(glossy_wrong.count, number.z - number.w);
     }
     uvec2 shown = number.xy + number.zw;
     float wrong = float(shown.x - shown.y) / float(max(shown.x, 1u));

@@ -5,6 +5,7 @@ use super::{counts, load_config, means, no_frames, open, prepare_trace, provenan
 use crate::cli::RenderArgs;
 use crate::config::{Centers, Layer as LayerName};
 use crate::fail;
+use crate::gpu::Format;
 use crate::graph::{Dump, DumpData, Execution};
 use crate::output::exr::Precision;
 use crate::output::{FRAMES, Layer, RunReport, frame_file, prepare_folder, write_exr, write_file, write_png};
@@ -160,12 +161,18 @@ pub(super) fn layers(picture: &Picture, wanted: &[LayerName]) -> Vec<Layer> {
     layers
 }
 
-/// Writes a dumped resource below `DIR/dump/<pass>/`: an image as EXR, its layers as such; a buffer as its bytes.
+/// Writes a dumped resource below `DIR/dump/<pass>/`: an image as EXR, its layers as such, a picture of 8 bits as PNG;
+/// a buffer as its bytes.
 fn write_dump(folder: &Path, dump: &Dump) -> Result<String> {
     let folder = folder.join("dump").join(dump.pass.replace('/', "."));
     prepare_folder(&folder)?;
     let name = dump.resource.replace('/', ".");
     let path = match &dump.data {
+        DumpData::Image { format: Format::Rgba8Unorm, size, layers: 1, texels } => {
+            let path = folder.join(format!("{name}.png"));
+            write_png(&path, size[0], size[1], texels)?;
+            path
+        }
         DumpData::Image { format, size, layers, texels } => {
             let path = folder.join(format!("{name}.exr"));
             let plane = Plane::decode(*format, texels);

@@ -258,7 +258,7 @@ fn list() -> Vec<KeyInfo> {
         key(
             "vpls.reflection",
             Choice(choices::<Reflection>()),
-            "Which reflection makes virtual point lights; glossy ones need `gather.culling = \"stochastic-tiled\"`",
+            "Which reflection makes virtual point lights; glossy ones need stochastic culling",
         ),
         key("bounce.count", Whole { min: 1, max: 8 }, "Bounces of indirect light; one is that of the lights above alone"),
         key("bounce.clusters", Whole { min: 1, max: 64 }, "Clusters of a bounce's virtual point lights, each with a map of what it sees"),
@@ -310,7 +310,11 @@ fn list() -> Vec<KeyInfo> {
             Choice(choices::<Culling>()),
             "How lights that cannot shine on pixels are left out; all but the stochastic ones leave the picture as it is",
         ),
-        key("gather.bounds", Choice(choices::<Bounds>()), "What stochastic culling bounds a glossy light's range by"),
+        key(
+            "gather.bounds",
+            Choice(choices::<Bounds>()),
+            "What stochastic culling bounds a glossy light's range by; with none every tile lists every light",
+        ),
         key(
             "gather.rasterization",
             Choice(choices::<Rasterization>()),
@@ -326,7 +330,7 @@ fn list() -> Vec<KeyInfo> {
         key(
             "gather.statistics",
             Flag,
-            "Counts the lights that stochastic culling lists and lights a pixel: `--dump gather/stochastic-tiled`",
+            "Counts the lights that stochastic culling lists and lights a pixel, and pictures them: `--dump gather/statistics`",
         ),
         key(
             "gather.receiver",
@@ -337,8 +341,16 @@ fn list() -> Vec<KeyInfo> {
         key("gather.min_distance", from(0.0, 1e6), "Below this distance a light gets no brighter, metres; 0 turns it off"),
         key("filter.kind", Choice(choices::<FilterKind>()), "How the indirect light is smoothed"),
         absent("filter.radius", Whole { min: 1, max: 32 }, "from `gather.interleave`", "Where a neighbour's weight reaches 0, pixels away"),
-        key("filter.normal_threshold_deg", above(0.0, 90.0), "Normals farther apart are not mixed, degrees"),
-        key("filter.plane_distance", above(0.0, 1e6), "Points farther off the pixel's plane are not mixed, in units of view depth"),
+        key(
+            "filter.normal_threshold_deg",
+            above(0.0, 90.0),
+            "Normals farther apart are not mixed, degrees; a cross bilateral filter mixes them by e^-2 there, and less beyond",
+        ),
+        key(
+            "filter.plane_distance",
+            above(0.0, 1e6),
+            "Points farther off the pixel's plane are not mixed, in units of view depth; a cross bilateral filter as above",
+        ),
         key("direct.shadows", Choice(choices::<Shadows>()), "Shadows of the direct light"),
         key(
             "direct.bias",

@@ -518,9 +518,9 @@ pub struct FilterConfig {
     /// Pixels to each side, 1 to 32; if absent `gather.interleave`, or twice that for a Gaussian.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub radius: Option<u32>,
-    /// Pixels whose normals differ by more are kept apart; degrees, over 0 to 90.
+    /// Pixels whose normals differ by more are kept apart, or by a cross bilateral filter count for e^-2 there and less beyond; degrees, over 0 to 90.
     pub normal_threshold_deg: f32,
-    /// Pixels farther than this from the pixel's tangent plane are kept apart; in units of its view depth, over 0.
+    /// Pixels farther than this from the pixel's tangent plane likewise; in units of its view depth, over 0.
     pub plane_distance: f32,
 }
 

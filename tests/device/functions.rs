@@ -657,8 +657,10 @@ fn spheroids_contain_where_ggx_lobes_may_shine_and_touch_it() {
         float alpha = LEAST * pow(1.0 / LEAST, a.x), ti = acos(1.0 - a.y * 0.9995), delta_xi = exp2(-20.0 * a.z);
         vec3 n = normalize(b4.xyz - vec3(0.5, 0.5, 0.3)), t = normalize(cross(n, abs(n.x) < 0.5 ? vec3(1, 0, 0) : vec3(0, 1, 0))), b = cross(n, t);
         vec3 wi = cos(ti) * n + sin(ti) * (cos(6.2831853 * a.w) * t + sin(6.2831853 * a.w) * b);
-        vec3 f0 = 0.02 + 0.98 * c4.xyz, flux = vec3(0.1, 1.0, 3.0) * (0.1 + v.yzw), q = vec3(3.0, -2.0, 8.0) * (v.zxy - 0.4);
-        Spheroid it = lobe_bounds(q, n, wi, flux, f0, 1.0, alpha, delta_xi);
+        // Of surfaces that are metal in part less than all is reflected at grazing angles, and along the normal no more of any colour.
+        float f90 = c4.w < 0.5 ? 1.0 : 0.1 + 1.6 * (c4.w - 0.5);
+        vec3 f0 = f90 * (0.02 + 0.98 * c4.xyz), flux = vec3(0.1, 1.0, 3.0) * (0.1 + v.yzw), q = vec3(3.0, -2.0, 8.0) * (v.zxy - 0.4);
+        Spheroid it = lobe_bounds(q, n, wi, flux, f0, f90, alpha, delta_xi);
         float farthest = 0.0;
         for (uint k = 0u; k < 48u; k++) {
             vec4 u = random(w.x, k, 3u, w.w);
@@ -667,7 +669,7 @@ fn spheroids_contain_where_ggx_lobes_may_shine_and_touch_it() {
             vec3 h = cos(th) * n + sin(th) * (cos(6.2831853 * u.y) * t + sin(6.2831853 * u.y) * b);
             vec3 wo = normalize((k & 3u) == 0u ? h : reflect(-wi, h));
             if (dot(wo, n) <= 0.0) continue;
-            vec3 p = q + sqrt(largest(lobe_intensity(flux, f0, 1.0, alpha, n, wi, wo)) / delta_xi) * wo;
+            vec3 p = q + sqrt(largest(lobe_intensity(flux, f0, f90, alpha, n, wi, wo)) / delta_xi) * wo;
             vec3 s = vec3(dot(it.row0, p), dot(it.row1, p), it.depth * p.z) - it.centre;
             // Places far off are given to so many digits.
             farthest = max(farthest, length(s) - 4e-7 * length(vec3(dot(abs(it.row0), abs(p)), dot(abs(it.row1), abs(p)), it.depth * abs(p.z))));

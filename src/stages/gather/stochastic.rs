@@ -161,19 +161,23 @@ pub(super) fn tiled(
 }
 
 /// Pictures how many VPLs pixels have on their lists and how many of those do not shine on them (figures 9 and 10), and counts
-/// `gather/pixels` and pairs of them and VPLs: `gather/diffuse-listed`, `gather/diffuse-lit`, `gather/glossy-listed`, `gather/glossy-lit`.
+/// `gather/pixels` and pairs of them and VPLs: `gather/diffuse-listed`, of which `gather/diffuse-lit` shine and `gather/diffuse-wrong` do not, and
+/// likewise for glossy ones. A pixel's list is that of its own half of the tile; where pixels of both halves go together they walk both.
 pub(super) fn statistics(g: &mut Graph, gbuffer: &GBuffer, numbers: Image) {
     let picture = g.image("gather/statistics", Format::Rgba8Unorm, gbuffer.size);
-    let names = ["pixels", "diffuse-listed", "diffuse-lit", "glossy-listed", "glossy-lit"];
-    let [pixels, diffuse_listed, diffuse_lit, glossy_listed, glossy_lit] = names.map(|name| g.count(&format!("gather/{name}")));
+    let names = ["pixels", "diffuse-listed", "diffuse-lit", "diffuse-wrong", "glossy-listed", "glossy-lit", "glossy-wrong"];
+    let [pixels, diffuse_listed, diffuse_lit, diffuse_wrong, glossy_listed, glossy_lit, glossy_wrong] =
+        names.map(|name| g.count(&format!("gather/{name}")));
     g.compute("gather/statistics")
         .reads("depth", gbuffer.depth)
         .reads("numbers", numbers)
         .updates("pixels", pixels)
         .updates("diffuse_listed", diffuse_listed)
         .updates("diffuse_lit", diffuse_lit)
+        .updates("diffuse_wrong", diffuse_wrong)
         .updates("glossy_listed", glossy_listed)
         .updates("glossy_lit", glossy_lit)
+        .updates("glossy_wrong", glossy_wrong)
         .writes("picture", picture)
         .params(&StatisticsParams { size: gbuffer.size.map(|n| n as i32) })
         .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
