@@ -1,6 +1,8 @@
 //! Renders a scene under a config, frame by frame: what the commands and the tests share.
 
-use crate::config::{Builtin, Config, Culling, Reflection, SceneConfig, SceneSelector, Shadows, TimingMode, VisibilityMethod};
+use crate::config::{
+    Builtin, Config, Culling, Rasterization, Reflection, SceneConfig, SceneSelector, Shadows, TimingMode, VisibilityMethod,
+};
 use crate::fail;
 use crate::frame::{Frame, Lighting, frame};
 use crate::gpu::{Adapter, Feature, Format, Gpu, Options};
@@ -15,6 +17,8 @@ use crate::stages::{self, METHODS, bounce, gather, visibility};
 use crate::trace;
 use anyhow::{Result, bail};
 use glam::Vec3;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// Loads or makes the config's scene; beside it, what the user should be told.
 pub fn load_scene(config: &SceneConfig) -> Result<(Scene, Vec<String>)> {
@@ -219,6 +223,15 @@ impl Renderer {
         &self.device_scene
     }
 
+    /// What the config leaves to the program, by key, and what that chooses on this device.
+    pub fn choices(&self, config: &Config) -> BTreeMap<&'static str, Value> {
+        let mut choices = BTreeMap::new();
+        if config.gather.culling == Culling::ConservativeClusters && config.gather.rasterization == Rasterization::Automatic {
+            choices.insert("gather.rasterization", json!(config.gather.rasterization.resolved(self.device_scene.shells.conservative)));
+        }
+        choices
+    }
+
     /// What rays need of the scene, where it was brought too.
     pub fn traced_scene(&self) -> Option<&TracedScene> {
         self.traced.as_ref()
@@ -288,7 +301,7 @@ impl Renderer {
                 adapter.name
             ));
         }
-        check_methods(adapter, config)?;
+        check_methods(adapter, config, self.device_scene.shells.conservative)?;
         if needs_rays(config) && self.traced.is_none() {
             bail!("{}: the config traces rays, and the scene was brought without what they need (Renderer::traced)", self.scene.name);
         }
@@ -526,7 +539,10 @@ pub fn timing(config: &Config, adapter: &Adapter) -> Timing {
 }
 
 /// Refuses a config whose methods need what the device lacks.
-fn check_methods(adapter: &Adapter, config: &Config) -> Result<()> {
+fn check_methods(adapter: &Adapter, config: &Config, has_extension: bool) -> Result<()> {
+    let mut config = config.clone();
+    config.gather.rasterization = config.gather.rasterization.resolved(has_extension);
+    let config = &config;
     let values = serde_json::to_value(config).unwrap_or_else(|error| panic!("a config that JSON has no words for: {error}"));
     let maps = config.visibility_methods().any(|method| method == VisibilityMethod::ImperfectShadowMaps);
     let idle = |key: &str| {
@@ -535,7 +551,7 @@ fn check_methods(adapter: &Adapter, config: &Config) -> Result<()> {
             || (config.gather.culling != Culling::ConservativeClusters && stages::OF_SHELLS.contains(&key))
     };
     let chosen = |key: &str, name: &str| match values.pointer(&format!("/{}", key.replace('.', "/"))) {
-        Some(serde_json::Value::String(value)) => value == name && !idle(key),
+        Some(Value::String(value)) => value == name && !idle(key),
         _ => true, // there is but one way
     };
     for method in METHODS.iter().filter(|method| chosen(method.slot, method.name)) {

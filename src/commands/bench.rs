@@ -62,6 +62,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         seed: u64::from(config.frame.seed),
         frames: args.runs,
         warmup,
+        choices: renderer.choices(&config),
         timings: Timings::of(&times),
         means: means(&counted),
         counts: counted,

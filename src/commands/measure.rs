@@ -57,6 +57,7 @@ impl Measured {
             seed: u64::from(config.frame.seed),
             frames: config.frame.count,
             warmup: config.frame.warmup,
+            choices: renderer.choices(config),
             timings: Timings::of(&self.times),
             means: means(&counted),
             counts: counted,

@@ -107,6 +107,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         seed: u64::from(config.frame.seed),
         frames: frames.len() as u32,
         warmup: config.frame.warmup,
+        choices: renderer.choices(&config),
         timings: Timings::of(&times),
         means: means(&counted),
         counts: counted,

@@ -476,6 +476,17 @@ pub enum Rasterization {
     GeometryShader,
 }
 
+impl Rasterization {
+    /// The way that is gone, on a device that has the extension or not.
+    pub fn resolved(self, has_extension: bool) -> Self {
+        match self {
+            Self::Automatic if has_extension => Self::Extension,
+            Self::Automatic => Self::GeometryShader,
+            chosen => chosen,
+        }
+    }
+}
+
 /// The random numbers of stochastic culling.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

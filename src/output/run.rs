@@ -19,6 +19,9 @@ pub struct RunReport {
     pub frames: u32,
     /// Frames that ran before them, untimed.
     pub warmup: u32,
+    /// What the config left to the program, by key, and what that chose on this device.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub choices: BTreeMap<&'static str, Value>,
     pub timings: Timings,
     /// What passes counted in the last frame: triangles drawn, VPLs, look-ups.
     pub counts: BTreeMap<String, u64>,
@@ -66,6 +69,7 @@ mod tests {
             seed: 7,
             frames: 2,
             warmup: 2,
+            choices: [("gather.rasterization", json!("geometry-shader"))].into(),
             timings: Timings::of(&times(&[(0, "gbuffer/draw", 1.0), (1, "gbuffer/draw", 2.0)])),
             counts: [("gather/vpls".to_owned(), 1024)].into(),
             means: [("gather/glossy-listed".to_owned(), 2.5)].into(),
@@ -98,6 +102,7 @@ mod tests {
                 "seed": 7,
                 "frames": 2,
                 "warmup": 2,
+                "choices": { "gather.rasterization": "geometry-shader" },
                 "timings": { "stages": [named("gbuffer")], "passes": [named("gbuffer/draw")], "total": statistics },
                 "counts": { "gather/vpls": 1024 },
                 "means": { "gather/glossy-listed": 2.5 },

@@ -64,7 +64,7 @@ pub const METHODS: &[Method] = {
         method("gather.culling", "clustered", &[]),
         method("gather.culling", "stochastic-tiled", &[]),
         method("gather.culling", "splatting", &[MultiDrawIndirect, ClipDistance, BlendedRgba32Float]),
-        method("gather.culling", "conservative-clusters", &[MultiDrawIndirect, GeometryShader, FragmentStores]),
+        method("gather.culling", "conservative-clusters", &[MultiDrawIndirect, FragmentStores]),
         method("gather.rasterization", "automatic", &[]),
         method("gather.rasterization", "geometry-shader", &[GeometryShader]),
         method("gather.rasterization", "extension", &[ConservativeRasterization, ClipDistance]),

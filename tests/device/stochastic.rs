@@ -1,7 +1,7 @@
 //! Stochastic light culling: glossy VPLs, ranges by chance, and the ways to cull by them.
 
 use crate::common::*;
-use glam::{DVec3, Vec3};
+use glam::{Affine3A, DVec3, Vec2, Vec3};
 use manylight::config::{
     Bounds, Builtin, Config, Culling, Dielectric, Rasterization, Receiver, Reflection, RouletteChoice, SceneConfig, VisibilityMethod,
     VplSampler,
@@ -10,6 +10,7 @@ use manylight::gpu::{Feature, Format};
 use manylight::graph::{Engine, Execution, Graph, Library};
 use manylight::reference::{Layer, Settings};
 use manylight::renderer::{Rendered, Renderer, load_scene};
+use manylight::scene::builder::Mesh;
 use manylight::scene::projection::View;
 use manylight::scene::shells::{Shell, Shells};
 use manylight::scene::{Aabb, Camera, Material, Scene};
@@ -41,6 +42,35 @@ fn stochastic(config: &mut Config) {
 fn render(renderer: &mut Renderer, config: &Config) -> Rendered {
     renderer.check(config).unwrap_or_else(|error| panic!("{error:#}"));
     renderer.render(config, 0, true, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+/// No chance, no bound, rays for shadows: what is left is the light of all VPLs.
+fn exact(config: &mut Config) {
+    config.gather.interleave = 1;
+    config.gather.min_distance = 0.0;
+    config.gather.delta = 1e-6;
+    config.visibility.method = VisibilityMethod::RayTraced;
+}
+
+/// The mean irradiance on pixels whose surface's place is chosen.
+fn light(renderer: &mut Renderer, config: &Config, chosen: impl Fn(DVec3) -> bool) -> f64 {
+    let picture = picture(renderer, config);
+    let positions = picture.positions();
+    let found: Vec<[f32; 4]> = (0..positions.len()).map(|i| picture.indirect.at(i)).collect();
+    mean(&found, |i| chosen(positions[i].as_dvec3()))
+}
+
+/// The same by so many paths a pixel of one bounce.
+fn light_of_paths(renderer: &mut Renderer, config: &Config, samples: u32, chosen: impl Fn(DVec3) -> bool) -> f64 {
+    let positions = picture(renderer, config).positions();
+    let settings = Settings { min_distance: config.gather.min_distance, ..centered(1) };
+    let expected = reference(renderer, config, settings, samples).mean(Layer::Bounce(1));
+    mean(&expected, |i| chosen(positions[i].as_dvec3()))
+}
+
+/// Whether a place in a room so large is before its wall at z = 0, and away from edges, where the light of single texels is a spot.
+fn away_from_edges(x: DVec3, size: DVec3) -> bool {
+    x.z > 0.3 && [x, size - x].iter().flat_map(|d| d.to_array()).filter(|d| *d < 0.3).count() <= 1
 }
 
 fn irradiance(renderer: &mut Renderer, config: &Config) -> Vec<Vec3> {
@@ -331,41 +361,25 @@ fn a_wall_of_rough_metal_lights_a_box_as_the_path_tracer_says() {
     let mut config = plain([64, 64], Vec3::new(3.6, 1.7, 4.6), Vec3::new(1.0, 0.4, 2.5), 95.0, lamp);
     config.rsm.size = [128, 128];
     stochastic(&mut config);
-    config.gather.interleave = 1;
-    config.gather.min_distance = 0.0;
-    config.gather.delta = 1e-6;
-    config.visibility.method = VisibilityMethod::RayTraced;
+    exact(&mut config);
     let mut scene_without = scene.clone();
     let mut renderer = traced(scene);
-    let sums = reference(&mut renderer, &config, centered(1), 512);
-    let expected = sums.mean(Layer::Bounce(1));
-    let picture = picture(&mut renderer, &config);
-    let found: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| picture.indirect.at(i)).collect();
-    let positions = picture.positions();
-    // Matte receivers away from edges, where the light of single texels is a spot.
-    let matte = |i: usize| {
-        let x = positions[i].as_dvec3();
-        x.z > 0.3 && [x, SIZE - x].iter().flat_map(|d| d.to_array()).filter(|d| *d < 0.3).count() <= 1
-    };
-    let ratio = mean(&found, matte) / mean(&expected, matte);
+    let matte = |x| away_from_edges(x, SIZE);
+    let all = light_of_paths(&mut renderer, &config, 512, matte);
+    let ratio = light(&mut renderer, &config, matte) / all;
     // The metal alone, against the path tracer's picture less that of a wall that reflects nothing.
     config.vpls.reflection = Reflection::Glossy;
-    let glossy = crate::common::picture(&mut renderer, &config);
-    let glossy: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| glossy.indirect.at(i)).collect();
+    let glossy = light(&mut renderer, &config, matte);
     finish(renderer.gpu());
     drop(renderer);
     scene_without.materials[wall].base_color = [0.0, 0.0, 0.0, 1.0];
     let mut without = traced(scene_without);
-    let dark = reference(&mut without, &config, centered(1), 512).mean(Layer::Bounce(1));
-    let by_metal = mean(&expected, matte) - mean(&dark, matte);
-    let of_metal = mean(&glossy, matte) / by_metal;
-    println!(
-        "{ratio:.4} of the path tracer's; of the metal's light alone {of_metal:.4}; it is {:.2} of all",
-        by_metal / mean(&expected, matte)
-    );
+    let by_metal = all - light_of_paths(&mut without, &config, 512, matte);
+    let of_metal = glossy / by_metal;
+    println!("{ratio:.4} of the path tracer's; of the metal's light alone {of_metal:.4}; it is {:.2} of all", by_metal / all);
     assert!((ratio - 1.0).abs() < 0.03, "{ratio} of the path tracer's");
     assert!((of_metal - 1.0).abs() < 0.03, "{of_metal} of the path tracer's light from metal");
-    assert!(by_metal > 0.5 * mean(&expected, matte), "the metal is too little to tell");
+    assert!(by_metal > 0.5 * all, "the metal is too little to tell");
     finish(without.gpu());
 }
 
@@ -382,28 +396,50 @@ fn a_wall_of_plastic_lights_a_box_as_the_path_tracer_says() {
         let mut config = plain([64, 64], Vec3::new(3.6, 1.7, 4.6), Vec3::new(1.0, 0.4, 2.5), 95.0, lamp);
         config.rsm.size = [128, 128];
         stochastic(&mut config);
+        exact(&mut config);
         config.materials.dielectric = Dielectric::Ggx;
         config.vpls.reflection = reflection;
         config.gather.receiver = Receiver::Ggx;
-        config.gather.interleave = 1;
-        config.gather.min_distance = 0.0;
-        config.gather.delta = 1e-6;
-        config.visibility.method = VisibilityMethod::RayTraced;
         let mut renderer = traced(scene);
-        let sums = reference(&mut renderer, &config, centered(1), 512);
-        let expected = sums.mean(Layer::Bounce(1));
-        let picture = picture(&mut renderer, &config);
-        let found: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| picture.indirect.at(i)).collect();
-        let positions = picture.positions();
-        // Away from edges, where the light of single texels is a spot.
-        let away = |i: usize| {
-            let x = positions[i].as_dvec3();
-            x.z > 0.3 && [x, SIZE - x].iter().flat_map(|d| d.to_array()).filter(|d| *d < 0.3).count() <= 1
-        };
-        let ratio = mean(&found, away) / mean(&expected, away);
-        println!("of base colour {base:?} {ratio:.4} of the path tracer's, whose mean is {:.2e}", mean(&expected, away));
-        assert!(mean(&expected, away) > 0.01);
+        let away = |x| away_from_edges(x, SIZE);
+        let expected = light_of_paths(&mut renderer, &config, 512, away);
+        let ratio = light(&mut renderer, &config, away) / expected;
+        println!("of base colour {base:?} {ratio:.4} of the path tracer's, whose mean is {expected:.2e}");
+        assert!(expected > 0.01);
         assert!((ratio - 1.0).abs() < 0.02, "{ratio} of the path tracer's");
+        finish(renderer.gpu());
+    }
+}
+
+#[test]
+fn bent_metal_lights_a_floor_as_the_path_tracer_says() {
+    for (parts, roughness, within) in [(64, 0.1f32, 0.01), (16, 0.1, 0.01), (6, 0.3, 0.03)] {
+        // Half a cylinder, hollow towards the lamp, of so many flat parts whose normals are interpolated.
+        let mut bent = Mesh::default();
+        for i in 0..=parts {
+            let (sin, cos) = (std::f32::consts::PI * i as f32 / parts as f32).sin_cos();
+            for y in [0.0, 0.7] {
+                bent.vertex(Vec3::new(cos, y, -sin), Vec3::new(-cos, 0.0, sin), Vec2::ZERO);
+            }
+        }
+        bent.indices = (0..parts).flat_map(|i| [0, 1, 2, 2, 1, 3].map(|k| 2 * i + k)).collect();
+        let mut scene = Scene { name: "bent metal".into(), ..Scene::default() };
+        let floor = [(-2.0, 2.0), (2.0, 2.0), (2.0, -2.0), (-2.0, -2.0)].map(|(x, z)| Vec3::new(x, 0.0, z));
+        add_quad(&mut scene, floor, matte([0.5; 3]));
+        let metal = scene.add_material(Material { metallic: 1.0, roughness: roughness.sqrt(), ..matte([0.9, 0.7, 0.4]) });
+        scene.add_mesh(&bent, metal, &[Affine3A::IDENTITY]);
+        let lamp = spot(Vec3::new(0.6, 1.6, 1.8), Vec3::new(-0.55, -1.25, -2.3), [30.0, 25.0, 20.0], 25.0, 30.0);
+        let mut config = plain([96, 96], Vec3::new(0.0, 3.5, 1.0), Vec3::new(0.0, 0.0, 0.0), 60.0, lamp);
+        config.rsm.size = [128, 128];
+        stochastic(&mut config);
+        exact(&mut config);
+        let mut renderer = traced(scene);
+        let on_floor = |x: DVec3| x.y.abs() < 1e-3 && x.length() < 0.9;
+        let expected = light_of_paths(&mut renderer, &config, 512, on_floor);
+        let ratio = light(&mut renderer, &config, on_floor) / expected;
+        println!("of {parts} parts, roughness {roughness}: {ratio:.4} of the path tracer's, whose mean is {expected:.3}");
+        assert!(expected > 0.01);
+        assert!((ratio - 1.0).abs() < within, "{ratio} of the path tracer's with {parts} parts");
         finish(renderer.gpu());
     }
 }
@@ -440,21 +476,13 @@ fn a_floor_of_rough_metal_reflects_vpls_as_the_path_tracer_says() {
     let mut config = plain([64, 64], Vec3::new(2.0, 1.8, 4.7), Vec3::new(2.0, 0.0, 2.0), 70.0, lamp);
     config.rsm.size = [128, 128];
     stochastic(&mut config);
-    config.gather.interleave = 1;
-    config.gather.min_distance = 0.0;
-    config.gather.delta = 1e-6;
+    exact(&mut config);
     config.gather.receiver = Receiver::Ggx;
-    config.visibility.method = VisibilityMethod::RayTraced;
     let mut renderer = traced(scene);
-    let sums = reference(&mut renderer, &config, centered(1), 256);
-    let expected = sums.mean(Layer::Bounce(1));
-    let picture = picture(&mut renderer, &config);
-    let found: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| picture.indirect.at(i)).collect();
-    let positions = picture.positions();
-    let on_metal = |i: usize| positions[i].y < 0.01 && positions[i].z > 0.4;
-    let ratio = mean(&found, on_metal) / mean(&expected, on_metal);
+    let on_metal = |x: DVec3| x.y < 0.01 && x.z > 0.4;
+    assert!(picture(&mut renderer, &config).positions().iter().filter(|x| on_metal(x.as_dvec3())).count() > 500);
+    let ratio = light(&mut renderer, &config, on_metal) / light_of_paths(&mut renderer, &config, 256, on_metal);
     println!("the floor reflects {ratio:.4} of what the path tracer's does");
-    assert!(positions.iter().filter(|p| p.y < 0.01).count() > 500);
     assert!((ratio - 1.0).abs() < 0.03, "the floor reflects {ratio} of what the path tracer's does");
     finish(renderer.gpu());
 }
@@ -542,12 +570,8 @@ fn the_preset_has_the_light_of_the_path_tracer_where_rays_make_its_shadows() {
     let rendered = render(&mut renderer, &config);
     let [diffuse, glossy, pixels] = ["diffuse-lit", "glossy-lit", "pixels"].map(|name| count(&rendered, &format!("gather/{name}")));
     assert!(diffuse > 100 * pixels && glossy > 100 * pixels, "{diffuse} diffuse and {glossy} glossy VPLs light {pixels} pixels");
-    let picture = rendered.picture.unwrap();
-    assert!(picture.image == render(&mut renderer, &config).picture.unwrap().image);
-    let settings = Settings { min_distance: config.gather.min_distance, ..centered(1) };
-    let sums = reference(&mut renderer, &config, settings, 256);
-    let found: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| picture.indirect.at(i)).collect();
-    let ratio = mean(&found, |_| true) / mean(&sums.mean(Layer::Bounce(1)), |_| true);
+    assert!(rendered.picture.unwrap().image == render(&mut renderer, &config).picture.unwrap().image);
+    let ratio = light(&mut renderer, &config, |_| true) / light_of_paths(&mut renderer, &config, 256, |_| true);
     println!("{ratio:.4} of the path tracer's light; {diffuse} diffuse and {glossy} glossy VPLs light {pixels} pixels");
     assert!((ratio - 1.0).abs() < 0.02, "{ratio} of the path tracer's light");
     finish(renderer.gpu());

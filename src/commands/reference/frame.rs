@@ -166,6 +166,7 @@ impl Run<'_> {
             seed: u64::from(self.config.frame.seed),
             frames: traced.times.len() as u32,
             warmup: 0,
+            choices: BTreeMap::new(),
             timings: Timings::of(&traced.times),
             means: BTreeMap::new(),
             counts: counts.map(|(name, count)| (name.to_owned(), count)).into(),

@@ -101,11 +101,7 @@ pub(super) fn conservative_clusters(
     let shells_of = |there: bool| if there { vpls.count * in_set } else { 1 };
     let diffuse_shells = g.zeroed::<[u32; 2]>("gather/diffuse-shells", shells_of(vpls.diffuse));
     let glossy_shells = g.zeroed::<[u32; 2]>("gather/glossy-shells", shells_of(vpls.lobes.is_some()));
-    let by_extension = match config.rasterization {
-        Rasterization::Automatic => shells.conservative,
-        Rasterization::Extension => true,
-        Rasterization::GeometryShader => false,
-    };
+    let by_extension = config.rasterization.resolved(shells.conservative) == Rasterization::Extension;
     let lists = bounds(g, shells, vpls, if by_extension { Shell::Corners } else { Shell::Twenty }, false);
     let pass = match by_extension {
         true => {
