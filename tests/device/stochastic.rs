@@ -595,3 +595,19 @@ fn chance_is_the_same_in_every_frame_unless_it_is_to_be_another() {
     assert!(frames(&config) == new);
     finish(renderer.gpu());
 }
+
+#[test]
+fn nothing_is_seen_through_the_corners_of_the_room_of_caustics() {
+    for triangles in [8_190, 260_000] {
+        let scene = SceneConfig { builtin: Some(Builtin::Caustics), triangles, ..SceneConfig::default() };
+        let mut config = Config { scene, ..Config::default() };
+        config.frame.size = [960, 540];
+        config.rsm.size = [16, 16];
+        config.vpls.count = 16;
+        let mut renderer = renderer(load_scene(&config.scene).unwrap().0);
+        let depth = picture(&mut renderer, &config).depth;
+        let holes = (0..960 * 540).filter(|i| depth.at(*i)[0] <= 0.0).count();
+        assert_eq!(holes, 0, "pixels show what is behind the room of {triangles} triangles");
+        finish(renderer.gpu());
+    }
+}
