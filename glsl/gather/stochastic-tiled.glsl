@@ -52,7 +52,11 @@ float reflect_from(inout Receiver r, vec3 light, vec3 to_light) {
     return left;
 }
 
-shared uint near_low;  // bits of distances, which are in their order
+const uint FARTHEST = 0x7f800000u; // bits of infinity
+
+shared uint tile_low; // bits of distances, which are in their order
+shared uint tile_high;
+shared uint near_low;
 shared uint near_high; // of the nearer half
 shared uint far_low;
 shared uint far_high;
@@ -102,19 +106,44 @@ void store(Receiver r) {
     if (STATISTICS) imageStore(numbers, r.pixel, vec4(r.numbers));
 }
 
-void widen(Receiver r, float middle) {
-    if (r.distance <= 0.0) return;
-    uint bits = floatBitsToUint(r.distance);
-    if (r.distance <= middle) {
-        atomicMin(near_low, bits);
-        atomicMax(near_high, bits);
-    } else {
-        atomicMin(far_low, bits);
-        atomicMax(far_high, bits);
-    }
+// Distances as bits, which are in their order; those that do not count widen nothing.
+uint least(vec4 distances, bvec4 counts) {
+    vec4 far_off = mix(vec4(uintBitsToFloat(FARTHEST)), distances, counts);
+    return floatBitsToUint(min(min(far_off.x, far_off.y), min(far_off.z, far_off.w)));
+}
+
+uint most(vec4 distances, bvec4 counts) {
+    vec4 at_eye = mix(vec4(0.0), distances, counts);
+    return floatBitsToUint(max(max(at_eye.x, at_eye.y), max(at_eye.z, at_eye.w)));
 }
 
 uint count_bits(Receiver r, uint which, uint word) { return uint(bitCount(lists[which + uint(r.far)][word])); }
+
+// Where one is on the way through a list.
+struct Cursor {
+    uint word;
+    uint bits; // left of it: VPLs on the list
+    uvec4 see; // which of its VPLs the four pixels see
+};
+
+const Cursor AT_THE_BEGINNING = Cursor(~0u, 0u, uvec4(0u));
+
+// Goes on to a word with bits left, if there is one. Words without are passed here, not where VPLs shine: a driver for a CPU runs the body of
+// a loop once even where its condition fails at once.
+bool next(inout Cursor it, uint list, bvec2 halves, uint words, ivec2 pixel, uint start) {
+    while (it.bits == 0u && it.word + 1u < words) {
+        it.word++;
+        it.bits = (halves.x ? lists[list][it.word] : 0u) | (halves.y ? lists[list + 1u][it.word] : 0u);
+        it.see = seen(pixel, start + it.word * 32u);
+    }
+    return it.bits != 0u;
+}
+
+uint take(inout Cursor it) {
+    uint bit = uint(findLSB(it.bits));
+    it.bits &= it.bits - 1u;
+    return bit;
+}
 
 void main() {
     const uint N = INTERLEAVE, SETS = INTERLEAVE * INTERLEAVE;
@@ -129,35 +158,27 @@ void main() {
     Receiver d = receiver(pixel + ivec2(N, N));
 
     if (me == 0u) {
-        near_low = far_low = 0x7f800000u;
-        near_high = far_high = 0u;
+        tile_low = near_low = far_low = FARTHEST;
+        tile_high = near_high = far_high = 0u;
     }
     barrier();
-    // All are nearer than this.
-    widen(a, 3e38);
-    widen(b, 3e38);
-    widen(c, 3e38);
-    widen(d, 3e38);
+    vec4 distances = vec4(a.distance, b.distance, c.distance, d.distance);
+    bvec4 there = greaterThan(distances, vec4(0.0));
+    atomicMin(tile_low, least(distances, there));
+    atomicMax(tile_high, most(distances, there));
     barrier();
-    float middle = 0.5 * (uintBitsToFloat(near_low) + uintBitsToFloat(near_high));
+    float middle = 0.5 * (uintBitsToFloat(tile_low) + uintBitsToFloat(tile_high));
+    bvec4 is_far = greaterThan(distances, vec4(middle)), is_near = equal(there, not(is_far)); // far ones are there
+    atomicMin(near_low, least(distances, is_near));
+    atomicMax(near_high, most(distances, is_near));
+    atomicMin(far_low, least(distances, is_far));
+    atomicMax(far_high, most(distances, is_far));
     barrier();
-    if (me == 0u) {
-        near_low = 0x7f800000u;
-        near_high = 0u;
-    }
-    barrier();
-    widen(a, middle);
-    widen(b, middle);
-    widen(c, middle);
-    widen(d, middle);
-    barrier();
-    a.far = a.distance > middle;
-    b.far = b.distance > middle;
-    c.far = c.distance > middle;
-    d.far = d.distance > middle;
-    bool has_near = subgroupBallot((a.distance > 0.0 && !a.far) || (b.distance > 0.0 && !b.far) || (c.distance > 0.0 && !c.far) ||
-                                   (d.distance > 0.0 && !d.far)) != uvec4(0u);
-    bool has_far = subgroupBallot(a.far || b.far || c.far || d.far) != uvec4(0u);
+    a.far = is_far.x;
+    b.far = is_far.y;
+    c.far = is_far.z;
+    d.far = is_far.w;
+    bvec2 halves = bvec2(subgroupBallot(any(is_near)) != uvec4(0u), subgroupBallot(any(is_far)) != uvec4(0u));
 
     vec2 scale = 2.0 / vec2(view.it.width, view.it.height), slope = vec2(length(view.it.right), -length(view.it.up));
     vec2 begin = ((vec2(corner) + 0.5) * scale - 1.0) * slope, end = ((vec2(corner + int((TILE - 1u) * N)) + 0.5) * scale - 1.0) * slope;
@@ -185,39 +206,32 @@ void main() {
             }
         }
         barrier();
-        for (uint word = 0u; word < WORDS && start + word * 32u < count; word++) {
-            uint diffuse = (has_near ? lists[0][word] : 0u) | (has_far ? lists[1][word] : 0u);
-            uint glossy = (has_near ? lists[2][word] : 0u) | (has_far ? lists[3][word] : 0u);
-            uvec4 see = uvec4(0u);
-            if ((diffuse | glossy) != 0u) see = seen(pixel, start + word * 32u);
-            if (STATISTICS) {
-                a.numbers.xz += uvec2(count_bits(a, 0u, word), count_bits(a, 2u, word));
-                b.numbers.xz += uvec2(count_bits(b, 0u, word), count_bits(b, 2u, word));
-                c.numbers.xz += uvec2(count_bits(c, 0u, word), count_bits(c, 2u, word));
-                d.numbers.xz += uvec2(count_bits(d, 0u, word), count_bits(d, 2u, word));
-            }
-            while (DIFFUSE && diffuse != 0u) {
-                uint bit = uint(findLSB(diffuse));
-                diffuse &= diffuse - 1u;
-                uint index = first + (start + word * 32u + bit) * SETS;
-                Diffuse it = diffuse_vpl(index);
-                vec4 visible = vec4((see >> bit) & 1u);
-                shade(a, it, visible.x);
-                shade(b, it, visible.y);
-                shade(c, it, visible.z);
-                shade(d, it, visible.w);
-            }
-            while (LOBES && glossy != 0u) {
-                uint bit = uint(findLSB(glossy));
-                glossy &= glossy - 1u;
-                uint index = first + (start + word * 32u + bit) * SETS;
-                Glossy it = glossy_vpl(index);
-                vec4 visible = vec4((see >> bit) & 1u);
-                shade(a, it, visible.x);
-                shade(b, it, visible.y);
-                shade(c, it, visible.z);
-                shade(d, it, visible.w);
-            }
+        uint words = min(WORDS, (count - start + 31u) / 32u);
+        for (uint word = 0u; STATISTICS && word < words; word++) {
+            a.numbers.xz += uvec2(count_bits(a, 0u, word), count_bits(a, 2u, word));
+            b.numbers.xz += uvec2(count_bits(b, 0u, word), count_bits(b, 2u, word));
+            c.numbers.xz += uvec2(count_bits(c, 0u, word), count_bits(c, 2u, word));
+            d.numbers.xz += uvec2(count_bits(d, 0u, word), count_bits(d, 2u, word));
+        }
+        Cursor cursor = AT_THE_BEGINNING;
+        while (DIFFUSE && next(cursor, 0u, halves, words, pixel, start)) {
+            uint bit = take(cursor), index = first + (start + cursor.word * 32u + bit) * SETS;
+            Diffuse it = diffuse_vpl(index);
+            vec4 visible = vec4((cursor.see >> bit) & 1u);
+            shade(a, it, visible.x);
+            shade(b, it, visible.y);
+            shade(c, it, visible.z);
+            shade(d, it, visible.w);
+        }
+        cursor = AT_THE_BEGINNING;
+        while (LOBES && next(cursor, 2u, halves, words, pixel, start)) {
+            uint bit = take(cursor), index = first + (start + cursor.word * 32u + bit) * SETS;
+            Glossy it = glossy_vpl(index);
+            vec4 visible = vec4((cursor.see >> bit) & 1u);
+            shade(a, it, visible.x);
+            shade(b, it, visible.y);
+            shade(c, it, visible.z);
+            shade(d, it, visible.w);
         }
     }
     store(a);
