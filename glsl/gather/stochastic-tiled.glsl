@@ -123,18 +123,16 @@ uint count_bits(Receiver r, uint which, uint word) { return uint(bitCount(lists[
 struct Cursor {
     uint word;
     uint bits; // left of it: VPLs on the list
-    uvec4 see; // which of its VPLs the four pixels see
 };
 
-const Cursor AT_THE_BEGINNING = Cursor(~0u, 0u, uvec4(0u));
+const Cursor AT_THE_BEGINNING = Cursor(~0u, 0u);
 
 // Goes on to a word with bits left, if there is one. Words without are passed here, not where VPLs shine: a driver for a CPU runs the body of
 // a loop once even where its condition fails at once.
-bool next(inout Cursor it, uint list, bvec2 halves, uint words, ivec2 pixel, uint start) {
+bool next(inout Cursor it, uint list, bvec2 halves, uint words) {
     while (it.bits == 0u && it.word + 1u < words) {
         it.word++;
         it.bits = (halves.x ? lists[list][it.word] : 0u) | (halves.y ? lists[list + 1u][it.word] : 0u);
-        it.see = seen(pixel, start + it.word * 32u);
     }
     return it.bits != 0u;
 }
@@ -214,20 +212,20 @@ void main() {
             d.numbers.xz += uvec2(count_bits(d, 0u, word), count_bits(d, 2u, word));
         }
         Cursor cursor = AT_THE_BEGINNING;
-        while (DIFFUSE && next(cursor, 0u, halves, words, pixel, start)) {
+        while (DIFFUSE && next(cursor, 0u, halves, words)) {
             uint bit = take(cursor), index = first + (start + cursor.word * 32u + bit) * SETS;
             Diffuse it = diffuse_vpl(index);
-            vec4 visible = vec4((cursor.see >> bit) & 1u);
+            vec4 visible = vec4((seen(pixel, start + cursor.word * 32u) >> bit) & 1u);
             shade(a, it, visible.x);
             shade(b, it, visible.y);
             shade(c, it, visible.z);
             shade(d, it, visible.w);
         }
         cursor = AT_THE_BEGINNING;
-        while (LOBES && next(cursor, 2u, halves, words, pixel, start)) {
+        while (LOBES && next(cursor, 2u, halves, words)) {
             uint bit = take(cursor), index = first + (start + cursor.word * 32u + bit) * SETS;
             Glossy it = glossy_vpl(index);
-            vec4 visible = vec4((cursor.see >> bit) & 1u);
+            vec4 visible = vec4((seen(pixel, start + cursor.word * 32u) >> bit) & 1u);
             shade(a, it, visible.x);
             shade(b, it, visible.y);
             shade(c, it, visible.z);
