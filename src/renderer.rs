@@ -223,7 +223,7 @@ impl Renderer {
         &self.device_scene
     }
 
-    /// What the config leaves to the program, by key, and what that chooses on this device.
+    /// What the config leaves to the program, by key, and what that chooses on this device: `gather.rasterization`.
     pub fn choices(&self, config: &Config) -> BTreeMap<&'static str, Value> {
         let mut choices = BTreeMap::new();
         if config.gather.culling == Culling::ConservativeClusters && config.gather.rasterization == Rasterization::Automatic {
@@ -301,7 +301,7 @@ impl Renderer {
                 adapter.name
             ));
         }
-        check_methods(adapter, config, self.device_scene.shells.conservative)?;
+        check_methods(adapter, config)?;
         if needs_rays(config) && self.traced.is_none() {
             bail!("{}: the config traces rays, and the scene was brought without what they need (Renderer::traced)", self.scene.name);
         }
@@ -539,10 +539,7 @@ pub fn timing(config: &Config, adapter: &Adapter) -> Timing {
 }
 
 /// Refuses a config whose methods need what the device lacks.
-fn check_methods(adapter: &Adapter, config: &Config, has_extension: bool) -> Result<()> {
-    let mut config = config.clone();
-    config.gather.rasterization = config.gather.rasterization.resolved(has_extension);
-    let config = &config;
+fn check_methods(adapter: &Adapter, config: &Config) -> Result<()> {
     let values = serde_json::to_value(config).unwrap_or_else(|error| panic!("a config that JSON has no words for: {error}"));
     let maps = config.visibility_methods().any(|method| method == VisibilityMethod::ImperfectShadowMaps);
     let idle = |key: &str| {
@@ -555,7 +552,7 @@ fn check_methods(adapter: &Adapter, config: &Config, has_extension: bool) -> Res
         _ => true, // there is but one way
     };
     for method in METHODS.iter().filter(|method| chosen(method.slot, method.name)) {
-        let missing = adapter.missing(method.needs);
+        let missing = method.missing(adapter);
         if !missing.is_empty() {
             let list = missing.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
             return Err(fail!(

@@ -61,6 +61,7 @@ shared uint near_high; // of the nearer half
 shared uint far_low;
 shared uint far_high;
 shared uint lists[4][WORDS]; // diffuse near and far, lobes near and far
+shared uint filled[4];       // which of their words have bits
 
 // What the tile's pixels of one half span, in the view's space: [low, high] in tangents to the sides, and in distance.
 struct Part {
@@ -119,28 +120,35 @@ uint most(vec4 distances, bvec4 counts) {
 
 uint count_bits(Receiver r, uint which, uint word) { return uint(bitCount(lists[which + uint(r.far)][word])); }
 
-// Where one is on the way through a list.
+// Where one is on the way through a list: of the tile's halves together that the subgroup has pixels in.
 struct Cursor {
+    uint words; // those with VPLs that are still to come
     uint word;
-    uint bits; // left of it: VPLs on the list
+    uint bits;  // VPLs that are left of it
 };
 
-const Cursor AT_THE_BEGINNING = Cursor(~0u, 0u);
-
-// Goes on to a word with bits left, if there is one. Words without are passed here, not where VPLs shine: a driver for a CPU runs the body of
-// a loop once even where its condition fails at once.
-bool next(inout Cursor it, uint list, bvec2 halves, uint words) {
-    while (it.bits == 0u && it.word + 1u < words) {
-        it.word++;
-        it.bits = (halves.x ? lists[list][it.word] : 0u) | (halves.y ? lists[list + 1u][it.word] : 0u);
-    }
-    return it.bits != 0u;
+Cursor beginning(uint list, bvec2 halves) {
+    return Cursor((halves.x ? filled[list] : 0u) | (halves.y ? filled[list + 1u] : 0u), 0u, 0u);
 }
 
-uint take(inout Cursor it) {
+bool has_more(Cursor it) { return (it.words | it.bits) != 0u; }
+
+// The next VPL's number in the list. No loop passes empty words: llvmpipe runs a loop's body once even where its condition fails at once, and
+// ends all loops of an invocation together after 65,535 turns.
+uint next(inout Cursor it, uint list, bvec2 halves) {
+    if (it.bits == 0u) {
+        it.word = uint(findLSB(it.words));
+        it.words &= it.words - 1u;
+        it.bits = (halves.x ? lists[list][it.word] : 0u) | (halves.y ? lists[list + 1u][it.word] : 0u);
+    }
     uint bit = uint(findLSB(it.bits));
     it.bits &= it.bits - 1u;
-    return bit;
+    return it.word * 32u + bit;
+}
+
+void put(uint list, uint place) {
+    atomicOr(lists[list][place / 32u], 1u << (place % 32u));
+    atomicOr(filled[list], 1u << (place / 32u));
 }
 
 void main() {
@@ -166,7 +174,7 @@ void main() {
     atomicMax(tile_high, most(distances, there));
     barrier();
     float middle = 0.5 * (uintBitsToFloat(tile_low) + uintBitsToFloat(tile_high));
-    bvec4 is_far = greaterThan(distances, vec4(middle)), is_near = equal(there, not(is_far)); // far ones are there
+    bvec4 is_far = greaterThan(distances, vec4(middle)), is_near = mix(bvec4(false), lessThanEqual(distances, vec4(middle)), there);
     atomicMin(near_low, least(distances, is_near));
     atomicMax(near_high, most(distances, is_near));
     atomicMin(far_low, least(distances, is_far));
@@ -189,18 +197,19 @@ void main() {
     for (uint start = 0u; start < count; start += WORDS * 32u) {
         barrier();
         for (uint i = me; i < 4u * WORDS; i += INVOCATIONS) lists[i / WORDS][i % WORDS] = 0u;
+        if (me < 4u) filled[me] = 0u;
         barrier();
         for (uint i = me; i < WORDS * 32u && start + i < count; i += INVOCATIONS) {
-            uint index = first + (start + i) * SETS, word = i / 32u, bit = 1u << (i % 32u);
+            uint index = first + (start + i) * SETS;
             if (DIFFUSE) {
                 vec4 sphere = spheres.at[index];
-                if (CULL ? meets_sphere(near, sphere) : sphere.w > 0.0) atomicOr(lists[0][word], bit);
-                if (CULL ? meets_sphere(far, sphere) : sphere.w > 0.0) atomicOr(lists[1][word], bit);
+                if (CULL ? meets_sphere(near, sphere) : sphere.w > 0.0) put(0u, i);
+                if (CULL ? meets_sphere(far, sphere) : sphere.w > 0.0) put(1u, i);
             }
             if (LOBES) {
                 Spheroid it = spheroids.at[index];
-                if (CULL ? meets_spheroid(near, it) : it.depth != 0.0) atomicOr(lists[2][word], bit);
-                if (CULL ? meets_spheroid(far, it) : it.depth != 0.0) atomicOr(lists[3][word], bit);
+                if (CULL ? meets_spheroid(near, it) : it.depth != 0.0) put(2u, i);
+                if (CULL ? meets_spheroid(far, it) : it.depth != 0.0) put(3u, i);
             }
         }
         barrier();
@@ -211,21 +220,21 @@ void main() {
             c.numbers.xz += uvec2(count_bits(c, 0u, word), count_bits(c, 2u, word));
             d.numbers.xz += uvec2(count_bits(d, 0u, word), count_bits(d, 2u, word));
         }
-        Cursor cursor = AT_THE_BEGINNING;
-        while (DIFFUSE && next(cursor, 0u, halves, words)) {
-            uint bit = take(cursor), index = first + (start + cursor.word * 32u + bit) * SETS;
+        Cursor cursor = beginning(0u, halves);
+        while (DIFFUSE && has_more(cursor)) {
+            uint place = start + next(cursor, 0u, halves), index = first + place * SETS;
             Diffuse it = diffuse_vpl(index);
-            vec4 visible = vec4((seen(pixel, start + cursor.word * 32u) >> bit) & 1u);
+            vec4 visible = vec4((seen(pixel, place & ~31u) >> (place % 32u)) & 1u);
             shade(a, it, visible.x);
             shade(b, it, visible.y);
             shade(c, it, visible.z);
             shade(d, it, visible.w);
         }
-        cursor = AT_THE_BEGINNING;
-        while (LOBES && next(cursor, 2u, halves, words)) {
-            uint bit = take(cursor), index = first + (start + cursor.word * 32u + bit) * SETS;
+        cursor = beginning(2u, halves);
+        while (LOBES && has_more(cursor)) {
+            uint place = start + next(cursor, 2u, halves), index = first + place * SETS;
             Glossy it = glossy_vpl(index);
-            vec4 visible = vec4((seen(pixel, start + cursor.word * 32u) >> bit) & 1u);
+            vec4 visible = vec4((seen(pixel, place & ~31u) >> (place % 32u)) & 1u);
             shade(a, it, visible.x);
             shade(b, it, visible.y);
             shade(c, it, visible.z);

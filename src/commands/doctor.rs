@@ -48,7 +48,7 @@ fn describe(index: usize, adapter: &Adapter) {
         println!("   timing  by the host's clock alone: it lacks {}", Feature::Timestamps);
     }
     for method in METHODS {
-        let missing = adapter.missing(method.needs);
+        let missing = method.missing(adapter);
         let verdict = if missing.is_empty() {
             "runs".to_owned()
         } else {

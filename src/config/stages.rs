@@ -477,7 +477,7 @@ pub enum Rasterization {
 }
 
 impl Rasterization {
-    /// The way that is gone, on a device that has the extension or not.
+    /// The way taken on a device that has the extension or not.
     pub fn resolved(self, has_extension: bool) -> Self {
         match self {
             Self::Automatic if has_extension => Self::Extension,

@@ -19,7 +19,7 @@ pub struct RunReport {
     pub frames: u32,
     /// Frames that ran before them, untimed.
     pub warmup: u32,
-    /// What the config left to the program, by key, and what that chose on this device.
+    /// What the config left to the program, by key, and what that chose on this device: `gather.rasterization`.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub choices: BTreeMap<&'static str, Value>,
     pub timings: Timings,

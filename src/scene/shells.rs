@@ -8,6 +8,9 @@ use anyhow::Result;
 use glam::Vec3;
 use std::collections::BTreeMap;
 
+/// What a device must have to rasterize the shells conservatively by itself.
+pub const CONSERVATIVE: &[Feature] = &[Feature::ConservativeRasterization, Feature::ClipDistance];
+
 /// How many triangles bound a sphere.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shell {
@@ -53,7 +56,7 @@ impl Shells {
             indices: gpu.create_filled_buffer("shells/indices", bytemuck::cast_slice(&indices))?,
             ranges,
             corners: corners.into_iter().map(Into::into).collect(),
-            conservative: gpu.adapter.missing(&[Feature::ConservativeRasterization, Feature::ClipDistance]).is_empty(),
+            conservative: gpu.adapter.missing(CONSERVATIVE).is_empty(),
         })
     }
 

@@ -12,7 +12,8 @@ pub mod ssao;
 pub mod visibility;
 pub mod vpls;
 
-use crate::gpu::Feature;
+use crate::gpu::{Adapter, Feature};
+use crate::scene::shells::CONSERVATIVE;
 
 /// A way to fill a slot, by its name in the config, and what a device must have for it.
 pub struct Method {
@@ -21,12 +22,19 @@ pub struct Method {
     pub needs: &'static [Feature],
 }
 
+impl Method {
+    /// What the device lacks for it; what is left to the program may be had by the extension instead.
+    pub fn missing(&self, adapter: &Adapter) -> Vec<Feature> {
+        let instead = self.name == "automatic" && adapter.missing(CONSERVATIVE).is_empty();
+        if instead { Vec::new() } else { adapter.missing(self.needs) }
+    }
+}
+
 /// Every method there is.
 pub const METHODS: &[Method] = {
     use Feature::{
-        BlendedRgba32Float, ClipDistance, ConservativeRasterization, FilteredRg32Float, FragmentStores, GeometryShader, LargePoints,
-        LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters, Snorm16Images, SubgroupBallot, TessellationShader,
-        VertexPipelineStores,
+        BlendedRgba32Float, ClipDistance, FilteredRg32Float, FragmentStores, GeometryShader, LargePoints, LayerFromVertexShader,
+        MultiDrawIndirect, ShaderDrawParameters, Snorm16Images, SubgroupBallot, TessellationShader, VertexPipelineStores,
     };
     const fn method(slot: &'static str, name: &'static str, needs: &'static [Feature]) -> Method {
         Method { slot, name, needs }
@@ -65,9 +73,9 @@ pub const METHODS: &[Method] = {
         method("gather.culling", "stochastic-tiled", &[]),
         method("gather.culling", "splatting", &[MultiDrawIndirect, ClipDistance, BlendedRgba32Float]),
         method("gather.culling", "conservative-clusters", &[MultiDrawIndirect, FragmentStores]),
-        method("gather.rasterization", "automatic", &[]),
+        method("gather.rasterization", "automatic", &[GeometryShader]),
         method("gather.rasterization", "geometry-shader", &[GeometryShader]),
-        method("gather.rasterization", "extension", &[ConservativeRasterization, ClipDistance]),
+        method("gather.rasterization", "extension", CONSERVATIVE),
         method("filter.kind", "bilateral", &[]),
         method("filter.kind", "gaussian", &[]),
         method("filter.kind", "cross-bilateral", &[]),

@@ -6,15 +6,16 @@ use manylight::config::{
     Bounds, Builtin, Config, Culling, Dielectric, Rasterization, Receiver, Reflection, RouletteChoice, SceneConfig, VisibilityMethod,
     VplSampler,
 };
-use manylight::gpu::{Feature, Format};
+use manylight::gpu::Format;
 use manylight::graph::{Engine, Execution, Graph, Library};
 use manylight::reference::{Layer, Settings};
-use manylight::renderer::{Rendered, Renderer, load_scene};
+use manylight::renderer::{Picture, Rendered, Renderer, load_scene};
 use manylight::scene::builder::Mesh;
 use manylight::scene::projection::View;
-use manylight::scene::shells::{Shell, Shells};
+use manylight::scene::shells::{CONSERVATIVE, Shell, Shells};
 use manylight::scene::{Aabb, Camera, Material, Scene};
 use manylight::shader_struct;
+use manylight::stages::gather;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
@@ -44,7 +45,7 @@ fn render(renderer: &mut Renderer, config: &Config) -> Rendered {
     renderer.render(config, 0, true, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"))
 }
 
-/// No chance, no bound, rays for shadows: what is left is the light of all VPLs.
+/// No chance, no least distance, rays for shadows: what is left is the light of all VPLs.
 fn exact(config: &mut Config) {
     config.gather.interleave = 1;
     config.gather.min_distance = 0.0;
@@ -52,20 +53,26 @@ fn exact(config: &mut Config) {
     config.visibility.method = VisibilityMethod::RayTraced;
 }
 
-/// The mean irradiance on pixels whose surface's place is chosen.
+/// The mean indirect radiance of pixels that show a surface at a place that is chosen.
 fn light(renderer: &mut Renderer, config: &Config, chosen: impl Fn(DVec3) -> bool) -> f64 {
     let picture = picture(renderer, config);
-    let positions = picture.positions();
-    let found: Vec<[f32; 4]> = (0..positions.len()).map(|i| picture.indirect.at(i)).collect();
-    mean(&found, |i| chosen(positions[i].as_dvec3()))
+    let found: Vec<[f32; 4]> = (0..picture.positions().len()).map(|i| picture.indirect.at(i)).collect();
+    mean_of_surfaces(&picture, &found, chosen)
 }
 
 /// The same by so many paths a pixel of one bounce.
 fn light_of_paths(renderer: &mut Renderer, config: &Config, samples: u32, chosen: impl Fn(DVec3) -> bool) -> f64 {
-    let positions = picture(renderer, config).positions();
     let settings = Settings { min_distance: config.gather.min_distance, ..centered(1) };
     let expected = reference(renderer, config, settings, samples).mean(Layer::Bounce(1));
-    mean(&expected, |i| chosen(positions[i].as_dvec3()))
+    let mut quick = config.clone();
+    quick.visibility.method = VisibilityMethod::None;
+    quick.gather.interleave = 8;
+    mean_of_surfaces(&picture(renderer, &quick), &expected, chosen)
+}
+
+fn mean_of_surfaces(picture: &Picture, light: &[[f32; 4]], chosen: impl Fn(DVec3) -> bool) -> f64 {
+    let positions = picture.positions();
+    mean(light, |i| picture.depth.at(i)[0] > 0.0 && chosen(positions[i].as_dvec3()))
 }
 
 /// Whether a place in a room so large is before its wall at z = 0, and away from edges, where the light of single texels is a spot.
@@ -110,7 +117,10 @@ fn culling_loses_nothing_whatever_bounds_it_by_and_whoever_culls() {
                 assert!(count(&rendered, "gather/lost") == 0 && count(&rendered, "gather/nodes") > 10_000);
             }
         }
-        if !renderer.gpu().adapter.has(Feature::ConservativeRasterization) {
+        let by_extension = renderer.gpu().adapter.missing(CONSERVATIVE).is_empty();
+        let way = if by_extension { "extension" } else { "geometry-shader" };
+        assert_eq!(renderer.choices(&config), BTreeMap::from([("gather.rasterization", way.into())]));
+        if !by_extension {
             // Past the test harness, which keeps the output of passing tests to itself.
             writeln!(std::io::stderr(), "SKIPPED in part: {} does not rasterize conservatively by itself", renderer.gpu().adapter.name)
                 .unwrap();
@@ -119,6 +129,7 @@ fn culling_loses_nothing_whatever_bounds_it_by_and_whoever_culls() {
         }
         let mut by = |rasterization| {
             config.gather.rasterization = rasterization;
+            assert!(renderer.choices(&config).is_empty());
             let rendered = render(&mut renderer, &config);
             (rendered.picture.as_ref().unwrap().irradiance.rgb().collect::<Vec<Vec3>>(), count(&rendered, "gather/nodes"))
         };
@@ -442,6 +453,37 @@ fn bent_metal_lights_a_floor_as_the_path_tracer_says() {
         assert!((ratio - 1.0).abs() < within, "{ratio} of the path tracer's with {parts} parts");
         finish(renderer.gpu());
     }
+}
+
+#[test]
+fn all_vpls_that_one_pixel_may_have_shine_on_it() {
+    // A floor that fills its map, of half a metal, so that each texel is a diffuse and a glossy VPL; and a ceiling that faces it.
+    let mut scene = Scene { name: "floor and ceiling".into(), ..Scene::default() };
+    let floor = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].map(|(x, z)| Vec3::new(x, 0.0, z));
+    let mut ceiling = floor.map(|corner| corner * 0.2 + Vec3::Y);
+    ceiling.reverse();
+    add_quad(&mut scene, floor, Material { metallic: 0.5, roughness: 0.6, ..matte([0.8, 0.7, 0.5]) });
+    add_quad(&mut scene, ceiling, matte([0.5; 3]));
+    let mut config = plain([40, 40], Vec3::new(0.0, 0.1, 0.0), Vec3::new(0.0, 1.0, 0.01), 20.0, directional(Vec3::NEG_Y, [3.0, 2.5, 2.0]));
+    config.rsm.size = [141, 141];
+    stochastic(&mut config);
+    config.gather.interleave = 1;
+    config.gather.delta = 1e-6;
+    config.gather.statistics = true;
+    let mut renderer = renderer(scene);
+    let both = render(&mut renderer, &config);
+    let [pixels, diffuse, glossy] = ["pixels", "diffuse-lit", "glossy-lit"].map(|name| count(&both, &format!("gather/{name}")));
+    println!("{} diffuse and {} glossy VPLs light a pixel", diffuse / pixels, glossy / pixels);
+    assert!(diffuse == glossy && diffuse > 18_000 * pixels && pixels == 1_600);
+    let both: Vec<Vec3> = both.picture.unwrap().irradiance.rgb().collect();
+    let [diffuse, glossy] = [Reflection::Diffuse, Reflection::Glossy].map(|reflection| {
+        config.vpls.reflection = reflection;
+        irradiance(&mut renderer, &config)
+    });
+    let sum: Vec<Vec3> = diffuse.iter().zip(&glossy).map(|(a, b)| *a + *b).collect();
+    assert_eq!(apart(&both, &sum), 0);
+    assert_eq!(gather::MOST_TURNS / 3, 20_000, "the map is to have about as many texels as a pixel may have VPLs");
+    finish(renderer.gpu());
 }
 
 #[test]
