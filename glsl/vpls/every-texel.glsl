@@ -2,9 +2,10 @@
 #include "vpls/texel.glsl"
 
 void main() {
-    uint index = gl_GlobalInvocationID.x;
-    if (index >= params.count) return;
+    // Texels one after the other: read at random, six maps miss caches more than the VPLs do that are written so.
+    uint sample_index = gl_GlobalInvocationID.x;
+    if (sample_index >= params.count) return;
     uint k, count, layer;
-    share_of(index, layer, k, count);
-    put(index, ivec3(k % params.size.x, k / params.size.x, layer), 1.0);
+    map_of(sample_index, layer, k, count);
+    put(permutation_inverse(sample_index, params.count), ivec3(k % params.size.x, k / params.size.x, layer), 1.0);
 }

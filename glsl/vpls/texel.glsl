@@ -29,16 +29,17 @@ layout(scalar) buffer Lit { uint count; } lit;
 
 bool put_lobe(uint index, ivec3 at, float texels, vec3 position);
 
-// The map of VPL number `index`, and which of the map's samples it is. The order is a fixed permutation's; the first maps get what
-// the division leaves over.
-void share_of(uint index, out uint layer, out uint k, out uint count) {
-    uint sample_index = permutation(index, params.count);
+// The map of sample number `sample_index`, and which of the map's samples it is; the first maps get what the division leaves over.
+void map_of(uint sample_index, out uint layer, out uint k, out uint count) {
     uint share = params.count / params.lights, rest = params.count % params.lights;
     uint larger = (share + 1u) * rest;
     layer = sample_index < larger ? sample_index / (share + 1u) : rest + (sample_index - larger) / share;
     count = share + uint(layer < rest);
     k = sample_index - (layer * share + min(layer, rest));
 }
+
+// The same of VPL number `index`: the order is a fixed permutation's.
+void share_of(uint index, out uint layer, out uint k, out uint count) { map_of(permutation(index, params.count), layer, k, count); }
 
 // VPL number `index` at a texel, which stands for so many.
 void put(uint index, ivec3 at, float texels) {
