@@ -1,58 +1,20 @@
 //! Renders a scene under a config, frame by frame: what the commands and the tests share.
 
-use crate::config::{
-    Builtin, Config, Culling, Rasterization, Reflection, SceneConfig, SceneSelector, Shadows, TimingMode, VisibilityMethod,
-};
+use crate::config::{Config, Culling, Rasterization, Reflection, Shadows, TimingMode, VisibilityMethod};
 use crate::fail;
 use crate::frame::{Frame, Lighting, frame};
-use crate::gpu::{Adapter, Feature, Format, Gpu, Options};
+use crate::gpu::{Adapter, Feature, Gpu, Options};
 use crate::graph::{Dump, Engine, Execution, Graph, Image, Library, ReadBack, Timing};
-use crate::scene::builtin::{self, Atrium, Caustics};
+use crate::output::{Picture, Plane};
 use crate::scene::device::DeviceScene;
-use crate::scene::gltf::{self, AnimationChoice, Choice, SceneChoice};
 use crate::scene::projection::{Projector, View};
 use crate::scene::traced::TracedScene;
 use crate::scene::{Aabb, Light, Scene, view};
 use crate::stages::{self, METHODS, bounce, gather, visibility};
 use crate::trace;
 use anyhow::{Result, bail};
-use glam::Vec3;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-
-/// Loads or makes the config's scene; beside it, what the user should be told.
-pub fn load_scene(config: &SceneConfig) -> Result<(Scene, Vec<String>)> {
-    let _span = trace::span("loading the scene");
-    if let Some(path) = &config.file {
-        let scene = config.scene.as_ref().map(|selector| match selector {
-            SceneSelector::Index(index) => SceneChoice::Index(*index as usize),
-            SceneSelector::Name(name) => SceneChoice::Name(name.clone()),
-        });
-        let animation = match &config.animation {
-            None => AnimationChoice::First,
-            Some(SceneSelector::Name(name)) if name == "none" => AnimationChoice::None,
-            Some(SceneSelector::Name(name)) => AnimationChoice::Name(name.clone()),
-            Some(SceneSelector::Index(index)) => AnimationChoice::Index(*index as usize),
-        };
-        let mut loaded = gltf::load(path, Some(&Choice { scene, animation }))?;
-        prepare_triangles(&mut loaded.scene, config);
-        return Ok((loaded.scene, loaded.warnings));
-    }
-    let mut scene = match config.builtin.unwrap_or_default() {
-        Builtin::Atrium => builtin::atrium(&Atrium { triangles: config.triangles, seed: config.seed }),
-        Builtin::Caustics => builtin::caustics(&Caustics { triangles: config.triangles, roughness: config.roughness }),
-        Builtin::Cornell => builtin::cornell(),
-    };
-    prepare_triangles(&mut scene, config);
-    Ok((scene, Vec::new()))
-}
-
-fn prepare_triangles(scene: &mut Scene, config: &SceneConfig) {
-    if let Some(part) = config.split {
-        scene.split_triangles(part);
-    }
-    scene.sort_triangles();
-}
 
 /// Whether frames of a config trace rays, which a renderer must be made for ([`Renderer::traced`]).
 pub fn needs_rays(config: &Config) -> bool {
@@ -105,76 +67,6 @@ impl Rendered {
             format!("gather.culling: {count} nodes found no room in the clusters' light lists, and their light is missing; raise gather.delta or gather.interleave")
         });
         dropped.map(warning).chain(lost).collect()
-    }
-}
-
-/// A frame's images on the host, row by row from the top.
-pub struct Picture {
-    pub size: [u32; 2],
-    pub view: View,
-    /// sRGB-encoded RGBA bytes.
-    pub image: Vec<u8>,
-    pub radiance: Plane,
-    pub direct: Plane,
-    pub indirect: Plane,
-    pub irradiance: Plane,
-    pub albedo: Plane,
-    pub normal: Plane,
-    pub depth: Plane,
-}
-
-/// One image's texels, as numbers of the format's channels.
-pub struct Plane {
-    pub channels: usize,
-    pub values: Vec<f32>,
-}
-
-impl Plane {
-    /// Reads texels of a format.
-    pub fn decode(format: Format, bytes: &[u8]) -> Self {
-        let channels = format.channels();
-        let values = bytes.chunks_exact(format.texel_bytes()).flat_map(|texel| format.decode(texel).into_iter().take(channels)).collect();
-        Self { channels, values }
-    }
-
-    /// The channels of a pixel by its number; those that the plane lacks are 0.
-    pub fn at(&self, pixel: usize) -> [f32; 4] {
-        let mut texel = [0.0; 4];
-        texel[..self.channels].copy_from_slice(&self.values[pixel * self.channels..][..self.channels]);
-        texel
-    }
-
-    /// The first three channels of every pixel.
-    pub fn rgb(&self) -> impl Iterator<Item = Vec3> {
-        (0..self.values.len() / self.channels).map(|pixel| {
-            let [r, g, b, _] = self.at(pixel);
-            Vec3::new(r, g, b)
-        })
-    }
-}
-
-impl Picture {
-    /// World position of each pixel's surface; the origin where there is none.
-    pub fn positions(&self) -> Vec<Vec3> {
-        let width = self.size[0];
-        let position = |(i, depth): (usize, &f32)| {
-            if *depth > 0.0 { self.view.position_at(i as u32 % width, i as u32 / width, *depth) } else { Vec3::ZERO }
-        };
-        self.depth.values.iter().enumerate().map(position).collect()
-    }
-
-    /// Distance of each pixel's surface along the view's axis, metres; 0 where there is none.
-    pub fn distances(&self) -> Vec<f32> {
-        self.depth.values.iter().map(|depth| if *depth > 0.0 { self.view.near / depth } else { 0.0 }).collect()
-    }
-
-    /// World normal of each pixel's surface; zero where there is none.
-    pub fn normals(&self) -> Vec<Vec3> {
-        let normal = |(i, depth): (usize, &f32)| {
-            let [x, y, ..] = self.normal.at(i);
-            if *depth > 0.0 { crate::scene::pack::octahedral_inverse(glam::Vec2::new(x, y)) } else { Vec3::ZERO }
-        };
-        self.depth.values.iter().enumerate().map(normal).collect()
     }
 }
 

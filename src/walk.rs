@@ -5,7 +5,8 @@ use crate::fail;
 use crate::graph::Execution;
 use crate::metrics::flicker::{Flicker, Matches, Pair, Surfaces, matches};
 use crate::metrics::{Content, Image, rmse};
-use crate::renderer::{Picture, Plane, Renderer};
+use crate::output::{Picture, Plane};
+use crate::renderer::Renderer;
 use anyhow::{Context, Result};
 use serde::Serialize;
 

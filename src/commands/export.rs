@@ -4,7 +4,7 @@ use super::load_config;
 use crate::cli::{ExportFormat, MitsubaArgs};
 use crate::export::mitsuba::{self, Shot};
 use crate::output::prepare_folder;
-use crate::renderer::load_scene;
+use crate::scene::source::load_scene;
 use crate::scene::view;
 use anyhow::Result;
 

@@ -4,11 +4,13 @@
 
 pub mod exr;
 pub mod file;
+pub mod picture;
 pub mod png;
 pub mod run;
 
 pub use self::exr::{Exr, Layer, Samples, read_exr, write_exr};
 pub use self::file::{prepare_folder, write_file};
+pub use self::picture::{Picture, Plane};
 pub use self::png::{Png, png_bytes, read_png, write_png};
 pub use self::run::RunReport;
 

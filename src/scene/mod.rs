@@ -15,6 +15,7 @@ pub mod order;
 pub mod pack;
 pub mod projection;
 pub mod shells;
+pub mod source;
 pub mod split;
 pub mod tangents;
 pub mod traced;

@@ -9,9 +9,10 @@ use manylight::config::{
 };
 use manylight::graph::Execution;
 use manylight::reference::Layer;
-use manylight::renderer::{Rendered, Renderer, load_scene};
+use manylight::renderer::{Rendered, Renderer};
 use manylight::scene::Scene;
 use manylight::scene::pack::{octahedral_inverse, octahedral_snorm16_inverse};
+use manylight::scene::source::load_scene;
 use manylight::stages::bounce::Cluster;
 use manylight::stages::vpls::VplPoint;
 use manylight::walk::{Intensity, flicker_of_walk};

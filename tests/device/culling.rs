@@ -4,8 +4,10 @@ use crate::common::*;
 use glam::Vec3;
 use manylight::config::{Builtin, CameraConfig, Config, Culling, FilterKind, LightConfig, SceneConfig, VisibilityMethod};
 use manylight::graph::Execution;
-use manylight::renderer::{Plane, Renderer, load_scene};
+use manylight::output::Plane;
+use manylight::renderer::Renderer;
 use manylight::scene::Scene;
+use manylight::scene::source::load_scene;
 
 fn config(size: [u32; 2], position: [f32; 3], target: [f32; 3]) -> Config {
     let mut config = Config {

@@ -3,7 +3,8 @@
 use crate::common::*;
 use glam::{DVec3, Vec3};
 use manylight::config::{Config, LightConfig, Shadows};
-use manylight::renderer::{Picture, Renderer};
+use manylight::output::Picture;
+use manylight::renderer::Renderer;
 use manylight::scene::{Light, Scene, SpotFalloff};
 use std::f64::consts::PI;
 

@@ -3,7 +3,7 @@
 use crate::common::*;
 use crate::make::{F32, Make, bytes as bytes_of, png, push};
 use glam::{Vec3, vec3};
-use manylight::renderer::Picture;
+use manylight::output::Picture;
 use manylight::scene::Scene;
 use serde_json::{Value, json};
 

@@ -6,7 +6,8 @@ use manylight::color::luminance;
 use manylight::config::{CameraConfig, CameraKeyframe, Config, Interpolation, LightConfig, LightKeyframe, Shadows, VisibilityMethod};
 use manylight::graph::Execution;
 use manylight::metrics::flicker::{Fate, Surfaces, matches};
-use manylight::renderer::{Picture, Renderer};
+use manylight::output::Picture;
+use manylight::renderer::Renderer;
 use manylight::scene::builtin;
 use manylight::walk::{Intensity, Visit, Walk, flicker_of_walk};
 

@@ -3,7 +3,7 @@
 use crate::common::*;
 use glam::{DQuat, DVec3, Vec3};
 use manylight::config::{Config, LightConfig};
-use manylight::renderer::Picture;
+use manylight::output::Picture;
 use manylight::scene::{Material, Scene};
 use std::f64::consts::PI;
 

@@ -4,9 +4,10 @@ use crate::common::*;
 use glam::{Affine3A, Vec2, Vec3};
 use manylight::config::{Builtin, Collect, Config, IsmRenderer, PointSet, SceneConfig, VisibilityMethod};
 use manylight::graph::Execution;
-use manylight::renderer::{Renderer, load_scene};
+use manylight::renderer::Renderer;
 use manylight::report::Memory;
 use manylight::scene::builder::Mesh;
+use manylight::scene::source::load_scene;
 use manylight::scene::{Material, Scene};
 
 const RADIUS: f32 = 2.0;

@@ -4,9 +4,10 @@ use crate::common::*;
 use glam::{Vec2, Vec3};
 use manylight::config::{Builtin, Collect, Config, SceneConfig, VisibilityMethod};
 use manylight::graph::{DumpData, Execution};
-use manylight::renderer::{Renderer, load_scene};
+use manylight::renderer::Renderer;
 use manylight::scene::Scene;
 use manylight::scene::pack::octahedral_inverse;
+use manylight::scene::source::load_scene;
 use std::collections::BTreeMap;
 
 /// A point as the buffers hold it: `glsl/visibility/point.glsl`.

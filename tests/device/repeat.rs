@@ -5,9 +5,11 @@ use glam::Vec3;
 use manylight::config::{Builtin, Config, SceneConfig};
 use manylight::gpu::{DeviceChoice, Options};
 use manylight::graph::{DumpData, Execution, Timing};
+use manylight::output::Picture;
 use manylight::output::exr::Precision;
 use manylight::output::{Layer, write_exr, write_png};
-use manylight::renderer::{Picture, Renderer, load_scene};
+use manylight::renderer::Renderer;
+use manylight::scene::source::load_scene;
 
 fn config() -> Config {
     let mut config = Config { scene: SceneConfig { builtin: Some(Builtin::Cornell), ..SceneConfig::default() }, ..Config::default() };

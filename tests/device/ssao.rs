@@ -5,7 +5,8 @@ use glam::{DVec3, Vec3};
 use manylight::config::{Config, SsaoMethod, SsaoResolution};
 use manylight::gpu::Format;
 use manylight::graph::{DumpData, Execution};
-use manylight::renderer::{Plane, Renderer};
+use manylight::output::Plane;
+use manylight::renderer::Renderer;
 use manylight::scene::Scene;
 use std::f64::consts::PI;
 

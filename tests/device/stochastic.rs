@@ -8,11 +8,13 @@ use manylight::config::{
 };
 use manylight::gpu::Format;
 use manylight::graph::{Engine, Execution, Graph, Library};
+use manylight::output::Picture;
 use manylight::reference::{Layer, Settings};
-use manylight::renderer::{Picture, Rendered, Renderer, load_scene};
+use manylight::renderer::{Rendered, Renderer};
 use manylight::scene::builder::Mesh;
 use manylight::scene::projection::View;
 use manylight::scene::shells::{CONSERVATIVE, Shell, Shells};
+use manylight::scene::source::load_scene;
 use manylight::scene::{Aabb, Camera, Material, Scene};
 use manylight::shader_struct;
 use manylight::stages::gather;

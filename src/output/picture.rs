@@ -1,0 +1,76 @@
+//! A frame's images on the host, as numbers.
+
+use crate::gpu::Format;
+use crate::scene::pack::octahedral_inverse;
+use crate::scene::projection::View;
+use glam::{Vec2, Vec3};
+
+/// A frame's images on the host, row by row from the top.
+pub struct Picture {
+    pub size: [u32; 2],
+    pub view: View,
+    /// sRGB-encoded RGBA bytes.
+    pub image: Vec<u8>,
+    pub radiance: Plane,
+    pub direct: Plane,
+    pub indirect: Plane,
+    pub irradiance: Plane,
+    pub albedo: Plane,
+    pub normal: Plane,
+    pub depth: Plane,
+}
+
+/// One image's texels, as numbers of the format's channels.
+pub struct Plane {
+    pub channels: usize,
+    pub values: Vec<f32>,
+}
+
+impl Plane {
+    /// Reads texels of a format.
+    pub fn decode(format: Format, bytes: &[u8]) -> Self {
+        let channels = format.channels();
+        let values = bytes.chunks_exact(format.texel_bytes()).flat_map(|texel| format.decode(texel).into_iter().take(channels)).collect();
+        Self { channels, values }
+    }
+
+    /// The channels of a pixel by its number; those that the plane lacks are 0.
+    pub fn at(&self, pixel: usize) -> [f32; 4] {
+        let mut texel = [0.0; 4];
+        texel[..self.channels].copy_from_slice(&self.values[pixel * self.channels..][..self.channels]);
+        texel
+    }
+
+    /// The first three channels of every pixel.
+    pub fn rgb(&self) -> impl Iterator<Item = Vec3> {
+        (0..self.values.len() / self.channels).map(|pixel| {
+            let [r, g, b, _] = self.at(pixel);
+            Vec3::new(r, g, b)
+        })
+    }
+}
+
+impl Picture {
+    /// World position of each pixel's surface; the origin where there is none.
+    pub fn positions(&self) -> Vec<Vec3> {
+        let width = self.size[0];
+        let position = |(i, depth): (usize, &f32)| {
+            if *depth > 0.0 { self.view.position_at(i as u32 % width, i as u32 / width, *depth) } else { Vec3::ZERO }
+        };
+        self.depth.values.iter().enumerate().map(position).collect()
+    }
+
+    /// Distance of each pixel's surface along the view's axis, metres; 0 where there is none.
+    pub fn distances(&self) -> Vec<f32> {
+        self.depth.values.iter().map(|depth| if *depth > 0.0 { self.view.near / depth } else { 0.0 }).collect()
+    }
+
+    /// World normal of each pixel's surface; zero where there is none.
+    pub fn normals(&self) -> Vec<Vec3> {
+        let normal = |(i, depth): (usize, &f32)| {
+            let [x, y, ..] = self.normal.at(i);
+            if *depth > 0.0 { octahedral_inverse(Vec2::new(x, y)) } else { Vec3::ZERO }
+        };
+        self.depth.values.iter().enumerate().map(normal).collect()
+    }
+}
