@@ -22,3 +22,4 @@ pub mod stages;
 pub mod tables;
 pub mod trace;
 pub mod walk;
+pub mod world;

@@ -4,7 +4,7 @@ use super::progress::Progress;
 use super::{counts, load_config, means, open, prepare_trace, provenance};
 use crate::cli::BenchArgs;
 use crate::output::{RunReport, prepare_folder, write_file};
-use crate::renderer::{Renderer, needs_rays, timing};
+use crate::renderer::{Renderer, needs, timing};
 use crate::report::{Memory, PassTime, Timings, counts_table, memory_table, paste_line, peak_memory_bytes, timing_table, timings_csv};
 use crate::trace;
 use crate::{config::Config, graph::Execution};
@@ -25,7 +25,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     progress.say("loading the scene");
     let (gpu, scene, mut warnings) = open(&config, args.device.as_ref(), false)?;
     progress.say("bringing the scene to the device");
-    let mut renderer = if needs_rays(&config) { Renderer::traced(gpu, scene)? } else { Renderer::new(gpu, scene)? };
+    let mut renderer = Renderer::new(gpu, scene, needs(&config))?;
     renderer.check(&config)?;
     warnings.extend(renderer.warnings(&config));
     warnings.iter().for_each(|warning| progress.warn(warning));

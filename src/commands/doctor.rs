@@ -2,7 +2,7 @@
 
 use crate::fail;
 use crate::gpu::{Adapter, Feature, Gpu, Options};
-use crate::stages::METHODS;
+use crate::{reference, stages};
 use anyhow::Result;
 
 /// Prints a page a device; fails where no device can render at all.
@@ -47,7 +47,7 @@ fn describe(index: usize, adapter: &Adapter) {
     if !adapter.has(Feature::Timestamps) {
         println!("   timing  by the host's clock alone: it lacks {}", Feature::Timestamps);
     }
-    for method in METHODS {
+    for method in stages::methods().into_iter().chain([reference::method()]) {
         let missing = method.missing(adapter);
         let verdict = if missing.is_empty() {
             "runs".to_owned()

@@ -5,7 +5,7 @@ use crate::cli::{ExportFormat, MitsubaArgs};
 use crate::export::mitsuba::{self, Shot};
 use crate::output::prepare_folder;
 use crate::scene::source::load_scene;
-use crate::scene::view;
+use crate::world::view;
 use anyhow::Result;
 
 /// Writes the scene in the wished format; prints where it is, and to stderr what differs from our own picture.

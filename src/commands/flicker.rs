@@ -8,7 +8,7 @@ use crate::graph::Execution;
 use crate::metrics::flicker::difference_map;
 use crate::metrics::{Image, ImageFile};
 use crate::output::{FRAMES, frame_file, prepare_folder, write_file, write_png};
-use crate::renderer::{Renderer, needs_rays, timing};
+use crate::renderer::{Renderer, needs, timing};
 use crate::report::{FlickerLine, Provenance, flicker_csv};
 use crate::walk::{Intensity, Step, Visit, Walk, check, flicker_of_walk, stands_still};
 use anyhow::{Context, Result};
@@ -49,10 +49,10 @@ pub fn run(args: &FlickerArgs) -> Result<()> {
     progress.say("loading the scene");
     let (gpu, scene, mut warnings) = open(&config, args.device.as_ref(), false)?;
     progress.say("bringing the scene to the device");
-    let mut renderer = if needs_rays(&config) { Renderer::traced(gpu, scene)? } else { Renderer::new(gpu, scene)? };
+    let mut renderer = Renderer::new(gpu, scene, needs(&config))?;
     renderer.check(&config)?;
     warnings.extend(renderer.warnings(&config));
-    if stands_still(&config) && !renderer.moves() {
+    if stands_still(&config) && !renderer.world().moves() {
         warnings
             .push("camera: nothing moves; camera.keyframes, the keyframes of a light or an animation of the scene make a walk".to_owned());
     }

@@ -2,7 +2,7 @@
 
 use crate::gpu::Gpu;
 use crate::presets;
-use crate::stages::METHODS;
+use crate::{reference, stages};
 use anyhow::Result;
 
 /// Prints the lists; a machine without Vulkan still lists the rest.
@@ -18,10 +18,11 @@ pub fn run() -> Result<()> {
         Err(error) => println!("  none: {error:#}"),
     }
     println!("\nstages and methods");
-    let mut slots: Vec<&str> = METHODS.iter().map(|method| method.slot).collect();
+    let methods: Vec<_> = stages::methods().into_iter().chain([reference::method()]).collect();
+    let mut slots: Vec<&str> = methods.iter().map(|method| method.slot).collect();
     slots.dedup();
     for slot in slots {
-        let names: Vec<&str> = METHODS.iter().filter(|method| method.slot == slot).map(|method| method.name).collect();
+        let names: Vec<&str> = methods.iter().filter(|method| method.slot == slot).map(|method| method.name.as_str()).collect();
         println!("  {slot:<20} {}", names.join(", "));
     }
     println!("\npresets");

@@ -74,7 +74,7 @@ fn prepare_trace(path: Option<&Path>) -> Result<()> {
 /// What `run.json` says of a rendered config in numbers: what the run knows, and what passes counted.
 fn counts(renderer: &Renderer, config: &Config, first_pass_ms: Option<u64>, counted: &[(String, u64)]) -> BTreeMap<String, u64> {
     let known = [
-        ("scene/triangles", Some(renderer.device_scene().triangles)),
+        ("scene/triangles", Some(renderer.world().device().triangles)),
         ("start/first-pass-ms", first_pass_ms),
         ("vpls/count", Some(u64::from(renderer.vpl_count(config)))),
         ("device/memory-bytes", Some(renderer.gpu().memory_in_use())),

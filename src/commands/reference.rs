@@ -14,6 +14,7 @@ use crate::reference::{Settings, identity, load_sums, scene_digest};
 use crate::renderer::{Renderer, timing};
 use crate::report::{PassTime, timings_csv};
 use crate::trace;
+use crate::world::Needs;
 use anyhow::Result;
 use serde_json::json;
 use std::path::Path;
@@ -51,7 +52,9 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     warnings.iter().for_each(|warning| progress.warn(warning));
     progress.say("building the hierarchy");
     let digest = scene_digest(&scene);
-    let mut renderer = Renderer::traced(gpu, scene)?;
+    let rays = Needs { rays: true };
+    let mut renderer = Renderer::new(gpu, scene, rays)?;
+    renderer.ensure(rays)?;
     let execution = Execution { timing: timing(&config, &renderer.gpu().adapter), ..Execution::default() };
     let from = provenance(&args.config, &config, &renderer);
     let goal = Goal { spp: args.spp, target_error: args.target_error, time: args.time };

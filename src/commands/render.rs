@@ -9,8 +9,9 @@ use crate::gpu::Format;
 use crate::graph::{Dump, DumpData, Execution};
 use crate::output::exr::Precision;
 use crate::output::{FRAMES, Layer, Picture, Plane, RunReport, frame_file, prepare_folder, write_exr, write_file, write_png};
-use crate::renderer::{Renderer, clustered, needs_rays, timing};
+use crate::renderer::{Renderer, needs, timing};
 use crate::report::{Memory, PassTime, Timings, counts_table, memory_table, peak_memory_bytes, timing_table, timings_csv};
+use crate::stages::bounce::has_clusters;
 use crate::trace;
 use anyhow::{Context, Result};
 use std::path::Path;
@@ -34,10 +35,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     progress.say("loading the scene");
     let (gpu, scene, mut warnings) = open(&config, args.device.as_ref(), args.validate)?;
     progress.say("bringing the scene to the device");
-    let mut renderer = if needs_rays(&config) { Renderer::traced(gpu, scene)? } else { Renderer::new(gpu, scene)? };
+    let mut renderer = Renderer::new(gpu, scene, needs(&config))?;
     renderer.check(&config)?;
     warnings.extend(renderer.warnings(&config));
-    if args.sequence.shard.is_some() && clustered(&config) && config.bounce.centers == Centers::Kept {
+    if args.sequence.shard.is_some() && has_clusters(&config) && config.bounce.centers == Centers::Kept {
         warnings.push("--shard: clusters go on from frame to frame (bounce.centers), and parts of a sequence start anew: where lights move, pictures are not those of the whole sequence".to_owned());
     }
     warnings.iter().for_each(|warning| progress.warn(warning));

@@ -10,10 +10,11 @@ use crate::graph::Execution;
 use crate::output::{prepare_folder, write_file};
 use crate::presets;
 use crate::reference::scene_digest;
-use crate::renderer::{Renderer, needs_rays};
+use crate::renderer::{Renderer, needs};
 use crate::tables::cells::{self, WALKS, reference_folder, run_folder};
 use crate::tables::{Names, Plan, Run, Table, print, read, sheet};
 use crate::walk::flicker_of_walk;
+use crate::world::Needs;
 use anyhow::{Context, Result};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -117,7 +118,7 @@ impl Session<'_> {
     /// so that all of these can run on it.
     fn check_names(&mut self, table: &Table, plan: &Plan, first: &Run) -> Result<()> {
         let same: Vec<&Run> = plan.runs.iter().filter(|run| run.config.scene == first.config.scene).collect();
-        let rays = same.iter().any(|run| run.needs_reference || needs_rays(&run.config));
+        let rays = same.iter().any(|run| run.needs_reference || needs(&run.config).rays);
         let open = self.opened(&first.config, rays)?;
         let mut names = Names::default();
         for run in &same {
@@ -165,14 +166,15 @@ impl Session<'_> {
 
     /// The device with the scene of a config; another one is given back first.
     fn opened(&mut self, config: &Config, truth: bool) -> Result<&mut Open> {
-        let rays = truth || needs_rays(config);
+        let rays = truth || needs(config).rays;
         let fits = |open: &Open| open.scene == config.scene && (open.rays || !rays);
         if !self.open.as_ref().is_some_and(fits) {
             self.open = None;
             let (gpu, scene, warnings) = open(config, self.args.device.as_ref(), self.args.validate)?;
             warnings.iter().for_each(|warning| self.progress.warn(warning));
             let digest = scene_digest(&scene);
-            let renderer = if rays { Renderer::traced(gpu, scene)? } else { Renderer::new(gpu, scene)? };
+            let mut renderer = Renderer::new(gpu, scene, Needs { rays })?;
+            renderer.ensure(Needs { rays })?;
             self.open = Some(Open { scene: config.scene.clone(), rays, renderer, digest });
         }
         match &mut self.open {

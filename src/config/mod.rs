@@ -65,13 +65,19 @@ impl Config {
         }
     }
 
-    /// How the virtual point lights of each bounce are shadowed.
-    pub fn visibility_methods(&self) -> impl Iterator<Item = VisibilityMethod> {
+    /// How the virtual point lights of the first bounce are shadowed, and those of further ones.
+    pub fn visibility_of_bounces(&self) -> [VisibilityMethod; 2] {
         let further = match self.bounce.visibility {
             BounceVisibility::None => VisibilityMethod::None,
             BounceVisibility::RayTraced => VisibilityMethod::RayTraced,
             BounceVisibility::ImperfectShadowMaps => VisibilityMethod::ImperfectShadowMaps,
         };
-        std::iter::once(self.visibility.method).chain(std::iter::repeat_n(further, self.bounce.count as usize - 1))
+        [self.visibility.method, further]
+    }
+
+    /// How the virtual point lights of each bounce are shadowed.
+    pub fn visibility_methods(&self) -> impl Iterator<Item = VisibilityMethod> {
+        let [first, further] = self.visibility_of_bounces();
+        std::iter::once(first).chain(std::iter::repeat_n(further, self.bounce.count as usize - 1))
     }
 }

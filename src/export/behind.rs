@@ -1,7 +1,7 @@
 //! What the camera sees through the back of single-sided surfaces, which other renderers show from behind too.
 
 use crate::scene::Scene;
-use crate::scene::projection::View;
+use crate::world::projection::View;
 use glam::Vec3;
 
 /// Rays across and down: enough to find what a user would see.

@@ -16,6 +16,8 @@ bitflags::bitflags! {
         const ATTACHMENT = 8;
         const COMPUTE = 16;
         const TRANSFER = 32;
+        /// Vertices and indices of draws.
+        const VERTEX_INPUT = 64;
     }
 }
 
@@ -30,6 +32,8 @@ bitflags::bitflags! {
         const ATTACHMENT_WRITE = 16;
         const TRANSFER_READ = 32;
         const TRANSFER_WRITE = 64;
+        /// Vertices and indices.
+        const VERTEX_READ = 128;
     }
 }
 
@@ -106,6 +110,7 @@ pub(super) fn stages(stages: Stages) -> vk::PipelineStageFlags2 {
         (Stages::ATTACHMENT, Vk::COLOR_ATTACHMENT_OUTPUT | Vk::EARLY_FRAGMENT_TESTS | Vk::LATE_FRAGMENT_TESTS),
         (Stages::COMPUTE, Vk::COMPUTE_SHADER),
         (Stages::TRANSFER, Vk::ALL_TRANSFER),
+        (Stages::VERTEX_INPUT, Vk::VERTEX_INPUT),
     ];
     table.into_iter().filter(|(ours, _)| stages.contains(*ours)).fold(Vk::NONE, |all, (_, theirs)| all | theirs)
 }
@@ -120,6 +125,7 @@ pub(super) fn accesses(accesses: Accesses) -> vk::AccessFlags2 {
         (Accesses::ATTACHMENT_WRITE, Vk::COLOR_ATTACHMENT_WRITE | Vk::DEPTH_STENCIL_ATTACHMENT_WRITE),
         (Accesses::TRANSFER_READ, Vk::TRANSFER_READ),
         (Accesses::TRANSFER_WRITE, Vk::TRANSFER_WRITE),
+        (Accesses::VERTEX_READ, Vk::VERTEX_ATTRIBUTE_READ | Vk::INDEX_READ),
     ];
     table.into_iter().filter(|(ours, _)| accesses.contains(*ours)).fold(Vk::NONE, |all, (_, theirs)| all | theirs)
 }

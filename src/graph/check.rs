@@ -109,8 +109,9 @@ pub(super) fn order(graph: &Graph) -> Result<()> {
         }
         if let Work::Raster { draws, .. } = &pass.work {
             for list in draws {
-                if !written.contains(&list.arguments.index.try_into().unwrap_or(usize::MAX)) {
-                    bail!("pass {}: its draw arguments are read before any pass writes them", pass.name);
+                let read = [("arguments", list.arguments), ("vertices", list.vertices), ("indices", list.indices)];
+                if let Some((what, _)) = read.iter().find(|(_, buffer)| !written.contains(&(buffer.index as usize))) {
+                    bail!("pass {}: its draw {what} are read before any pass writes them", pass.name);
                 }
             }
         }

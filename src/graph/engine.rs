@@ -6,7 +6,7 @@ use super::pass::{DrawList, Pass, Work};
 use super::pipelines::PipelineKey;
 use super::plan::plan;
 use super::pool::{BufferKind, Pool};
-use super::record::{Placed, Ready, Step, accesses, run};
+use super::record::{Placed, Ready, Step, accesses};
 use super::{Graph, ReadBack, Resource, Source};
 use crate::gpu::{BindingKind, Bound, BufferId, Format, Gpu, ImageDesc, PipelineId, Sampler};
 use crate::trace;
@@ -71,11 +71,12 @@ pub enum DumpData {
     Buffer { element: &'static str, element_bytes: usize, bytes: Vec<u8> },
 }
 
-/// A device with its shaders, pipelines and pooled resources: what stays from frame to frame.
+/// A device with its shaders and pipelines, which all sequences of frames share.
 pub struct Engine {
     pub gpu: Gpu,
     pub(super) library: Library,
     pub(super) pipelines: HashMap<PipelineKey, PipelineId>,
+    /// Of frames that belong to no sequence of their own.
     pool: Pool,
 }
 
@@ -122,17 +123,23 @@ impl Engine {
         Ok(())
     }
 
-    /// The next frame starts anew: its [`Graph::history`] is zeros.
-    pub fn forget(&mut self) {
-        self.pool.forget();
+    /// Runs a frame that belongs to no sequence, in the engine's own pool, and waits for it.
+    pub fn execute(&mut self, graph: &Graph, execution: &Execution) -> Result<FrameOutcome> {
+        let mut pool = std::mem::take(&mut self.pool);
+        let outcome = self.run(&mut pool, graph, execution);
+        self.pool = pool;
+        outcome
     }
 
-    /// Runs a frame and waits for it.
-    pub fn execute(&mut self, graph: &Graph, execution: &Execution) -> Result<FrameOutcome> {
+    /// Runs a frame as the next one of a sequence and waits for it.
+    ///
+    /// # Errors
+    /// A pass that lies about its shader, and the device's own. The sequence's history is then zeros in its next frame.
+    pub fn run(&mut self, pool: &mut Pool, graph: &Graph, execution: &Execution) -> Result<FrameOutcome> {
         let preparing = trace::span("preparing");
         self.prepare(graph)?;
-        self.pool.begin();
-        let placed = self.place(graph)?;
+        pool.begin();
+        let placed = self.place(pool, graph)?;
         let barriers = plan(&graph.passes.iter().map(accesses).collect::<Vec<_>>());
         let mut ready = Vec::with_capacity(graph.passes.len());
         let mut checked: Vec<(&'static str, String)> = Vec::new();
@@ -148,7 +155,7 @@ impl Engine {
                 // Counts are in the outcome as it is.
                 for resource in pass.written().into_iter().filter(|resource| !graph.is_count(*resource)) {
                     let name = format!("dump {} {}", pass.name, graph.name(resource));
-                    dump.push((resource, self.read_back_buffer(graph, resource, &name)?));
+                    dump.push((resource, self.read_back_buffer(pool, graph, resource, &name)?));
                 }
             }
             let mut check = Vec::new();
@@ -164,19 +171,19 @@ impl Engine {
             }
             ready.push(Ready { pass, barrier, steps, dump, check });
         }
-        let checker = if execution.check_nan { Some(self.checker(checked.len())?) } else { None };
+        let checker = if execution.check_nan { Some(self.checker(pool, checked.len())?) } else { None };
         let mut read_backs = Vec::new();
         for (i, resource) in graph.read_backs.iter().enumerate() {
-            read_backs.push((*resource, self.read_back_buffer(graph, *resource, &format!("read back {i}"))?));
+            read_backs.push((*resource, self.read_back_buffer(pool, graph, *resource, &format!("read back {i}"))?));
         }
         let counts: Vec<Resource> = graph.slots.iter().map(|slot| slot.resource).filter(|resource| graph.is_count(*resource)).collect();
         for resource in &counts {
             let name = format!("read back {}", graph.name(*resource));
-            read_backs.push((*resource, self.read_back_buffer(graph, *resource, &name)?));
+            read_backs.push((*resource, self.read_back_buffer(pool, graph, *resource, &name)?));
         }
-        let crumbs = self.pool.buffer(&mut self.gpu, "breadcrumbs", 4 * graph.passes.len().max(1) as u64, BufferKind::ReadBack)?;
+        let crumbs = pool.buffer(&mut self.gpu, "breadcrumbs", 4 * graph.passes.len().max(1) as u64, BufferKind::ReadBack)?;
         drop(preparing);
-        let timed = run(&mut self.gpu, &ready, execution.timing, &placed, checker, crumbs, &read_backs)?;
+        let timed = super::record::run(&mut self.gpu, &ready, execution.timing, &placed, checker, crumbs, &read_backs)?;
         for ((pass, ms), begin) in timed.times.iter().zip(&timed.begins) {
             trace::pass(pass, timed.submitted, *begin, *ms);
         }
@@ -208,12 +215,12 @@ impl Engine {
             let count: u32 = bytemuck::pod_read_unaligned(&self.gpu.read_buffer(*buffer)[..4]);
             outcome.counts.push((graph.name(*resource).to_owned(), u64::from(count)));
         }
-        self.pool.trim(&mut self.gpu);
+        pool.end(&mut self.gpu);
         Ok(outcome)
     }
 
     /// Lends every resource of the graph its memory; usage flags come from how the passes use it.
-    fn place(&mut self, graph: &Graph) -> Result<Placed> {
+    fn place(&mut self, pool: &mut Pool, graph: &Graph) -> Result<Placed> {
         let stored = self.storage_images(graph)?;
         let mut placed = Placed { images: HashMap::new(), buffers: HashMap::new(), zeroed: Vec::new() };
         let (mut indices, mut wanted) = (Vec::new(), Vec::new());
@@ -226,12 +233,12 @@ impl Engine {
                     placed.images.insert(index, *id);
                 }
                 (resource, Source::Counted | Source::Zeroed) => {
-                    let id = self.pool.buffer(&mut self.gpu, &slot.name, graph.bytes(resource), BufferKind::Device)?;
+                    let id = pool.buffer(&mut self.gpu, &slot.name, graph.bytes(resource), BufferKind::Device)?;
                     placed.zeroed.push(id);
                     placed.buffers.insert(index, id);
                 }
                 (resource, Source::History) => {
-                    let (id, new) = self.pool.history(&mut self.gpu, &slot.name, graph.bytes(resource))?;
+                    let (id, new) = pool.history(&mut self.gpu, &slot.name, graph.bytes(resource))?;
                     placed.zeroed.extend(new.then_some(id));
                     placed.buffers.insert(index, id);
                 }
@@ -245,10 +252,10 @@ impl Engine {
                             self.gpu.adapter.name
                         );
                     }
-                    placed.buffers.insert(index, self.pool.buffer(&mut self.gpu, &slot.name, bytes, BufferKind::Device)?);
+                    placed.buffers.insert(index, pool.buffer(&mut self.gpu, &slot.name, bytes, BufferKind::Device)?);
                 }
                 (_, Source::Uploaded(bytes)) => {
-                    let id = self.pool.buffer(&mut self.gpu, &slot.name, bytes.len() as u64, BufferKind::Upload)?;
+                    let id = pool.buffer(&mut self.gpu, &slot.name, bytes.len() as u64, BufferKind::Upload)?;
                     self.gpu.write_upload_buffer(id, bytes);
                     placed.buffers.insert(index, id);
                 }
@@ -274,7 +281,7 @@ impl Engine {
                 }
             }
         }
-        let ids = self.pool.images(&mut self.gpu, &wanted)?;
+        let ids = pool.images(&mut self.gpu, &wanted)?;
         placed.images.extend(indices.into_iter().zip(ids));
         Ok(placed)
     }
@@ -333,12 +340,12 @@ impl Engine {
         Ok(Step { pipeline, bound })
     }
 
-    fn read_back_buffer(&mut self, graph: &Graph, resource: Resource, name: &str) -> Result<BufferId> {
-        self.pool.buffer(&mut self.gpu, name, graph.bytes(resource), BufferKind::ReadBack)
+    fn read_back_buffer(&mut self, pool: &mut Pool, graph: &Graph, resource: Resource, name: &str) -> Result<BufferId> {
+        pool.buffer(&mut self.gpu, name, graph.bytes(resource), BufferKind::ReadBack)
     }
 
     /// The pipeline that counts texels which are not finite, and where it counts them.
-    fn checker(&mut self, count: usize) -> Result<(PipelineId, BufferId)> {
+    fn checker(&mut self, pool: &mut Pool, count: usize) -> Result<(PipelineId, BufferId)> {
         self.library.prepare(&BTreeSet::from([format!("{CHECK}.comp")]))?;
         self.gpu.prepare_sampler(Sampler::Nearest)?;
         let key = PipelineKey { shader: CHECK, constants: Vec::new(), raster: None };
@@ -347,7 +354,7 @@ impl Engine {
             None => self.gpu.create_compute_pipeline(CHECK, self.library.get(&format!("{CHECK}.comp")), &[])?,
         };
         self.pipelines.insert(key, id);
-        let counts = self.pool.buffer(&mut self.gpu, "non-finite counts", 4 * count.max(1) as u64, BufferKind::ReadBack)?;
+        let counts = pool.buffer(&mut self.gpu, "non-finite counts", 4 * count.max(1) as u64, BufferKind::ReadBack)?;
         Ok((id, counts))
     }
 }

@@ -18,6 +18,7 @@ mod shader_struct;
 pub use engine::{Dump, DumpData, Engine, Execution, FrameOutcome, Timing};
 pub use library::Library;
 pub use pass::{ComputePass, DrawList, Extent, ListBlock, RasterPass};
+pub use pool::Pool;
 pub use shader_struct::{Member, ShaderStruct};
 
 use crate::gpu::{BufferId, Format, ImageId};
@@ -195,7 +196,7 @@ impl Graph {
     }
 
     /// A buffer of `count` structs that holds what the frame before left in it, which had one of this name and size; zeros in the
-    /// first frame, and after [`Engine::forget`].
+    /// first frame, and after [`Pool::cut`].
     pub fn history<T: ShaderStruct>(&mut self, name: &str, count: u32) -> Buffer {
         let buffer = Buffer { index: self.slots.len() as u32, count };
         self.add(name, buffer.into(), Some(Element::of::<T>()), Source::History);
@@ -251,6 +252,12 @@ impl Graph {
     fn name(&self, resource: Resource) -> &str {
         &self.slots[resource.index()].name
     }
+}
+
+/// What passes counted under a name, in all descriptions of it ([`Graph::again`]).
+pub fn counted<'c>(counts: &'c [(String, u64)], name: &'c str) -> impl Iterator<Item = u64> + 'c {
+    let is_of = move |of: &str| of.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(['#', '-']));
+    counts.iter().filter(move |(of, _)| is_of(of)).map(|(_, count)| *count)
 }
 
 #[cfg(test)]

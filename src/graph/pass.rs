@@ -31,8 +31,9 @@ pub struct DrawList {
     pub blocks: Vec<ListBlock>,
     pub constants: Vec<(&'static str, u32)>,
     pub cull_back: bool,
-    pub vertices: BufferId,
-    pub indices: BufferId,
+    /// Vertices, and indices of 32 bits: of an import, or of what a pass has written.
+    pub vertices: Buffer,
+    pub indices: Buffer,
     /// Indirect commands (`VkDrawIndexedIndirectCommand`), and which of them.
     pub arguments: Buffer,
     pub first: u32,

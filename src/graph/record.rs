@@ -181,7 +181,12 @@ pub(super) fn accesses(pass: &Pass) -> Vec<Access> {
         let both = Accesses::ATTACHMENT_READ | Accesses::ATTACHMENT_WRITE;
         color.iter().for_each(|target| add(target.image.index as usize, Stages::ATTACHMENT, both));
         depth.iter().for_each(|(image, _)| add(image.index as usize, Stages::ATTACHMENT, both));
-        draws.iter().for_each(|list| add(list.arguments.index as usize, Stages::INDIRECT, Accesses::INDIRECT_READ));
+        for list in draws {
+            add(list.arguments.index as usize, Stages::INDIRECT, Accesses::INDIRECT_READ);
+            for geometry in [list.vertices, list.indices] {
+                add(geometry.index as usize, Stages::VERTEX_INPUT, Accesses::VERTEX_READ);
+            }
+        }
     }
     all
 }
@@ -213,7 +218,8 @@ fn record(commands: &mut Commands<'_>, ready: &Ready<'_>, local_size: [u32; 3], 
             commands.begin_rendering(size, &color, depth.map(|(image, load)| attachment(image, load)));
             for (list, step) in draws.iter().zip(&ready.steps) {
                 bind(commands, step);
-                commands.bind_geometry(list.vertices, list.indices);
+                let geometry = [list.vertices, list.indices].map(|buffer| placed.buffers[&(buffer.index as usize)]);
+                commands.bind_geometry(geometry[0], geometry[1]);
                 commands.draw_indexed_indirect(placed.buffers[&(list.arguments.index as usize)], list.first, list.count);
             }
             commands.end_rendering();

@@ -10,7 +10,7 @@
 //! to half a pixel of it, whatever lights the picture: a reference sequence through the same matches says how much that is.
 
 use super::heatmap;
-use crate::scene::projection::View;
+use crate::world::projection::View;
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -2,7 +2,7 @@
 
 use crate::gpu::Format;
 use crate::scene::pack::octahedral_inverse;
-use crate::scene::projection::View;
+use crate::world::projection::View;
 use glam::{Vec2, Vec3};
 
 /// A frame's images on the host, row by row from the top.

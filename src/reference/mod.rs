@@ -19,9 +19,11 @@ use crate::gpu::{Format, ImageId};
 use crate::graph::{Execution, Graph};
 use crate::output::exr::MAX_DECODED_BYTES;
 use crate::renderer::Renderer;
-use crate::scene::projection::{Projector, View};
-use crate::scene::{Aabb, Light, view};
+use crate::scene::{Aabb, Light};
 use crate::shader_struct;
+use crate::stages::methods::{Method, NOTHING};
+use crate::world::projection::{Projector, View};
+use crate::world::view;
 use anyhow::{Context, Result};
 use bytemuck::Zeroable;
 use glam::Vec3;
@@ -60,6 +62,11 @@ pub struct Settings {
     pub centered: bool,
 }
 
+/// The only way to the truth.
+pub fn method() -> Method {
+    Method::only("reference", "path", NOTHING)
+}
+
 /// A path tracer at work on a scene. The device owns its sums.
 pub struct Tracer {
     view: View,
@@ -94,15 +101,17 @@ impl Tracer {
         let mut projectors = Vec::new();
         for light in &lights {
             // All faces of a point light are one light here.
-            let faces = Projector::of_lights(&[*light], [1, 1], renderer.device_scene().bounds, renderer.device_scene().bounds);
+            let faces = Projector::of_lights(&[*light], [1, 1], renderer.world().device().bounds, renderer.world().device().bounds);
             projectors.extend(faces.first());
         }
         if projectors.len() > Projector::MAX {
             return Err(fail!(BadInput, "light: {} lights are over the {} that fit; take fewer", projectors.len(), Projector::MAX));
         }
-        let Some(traced) = renderer.traced_scene() else { unreachable!("the scene was brought without what rays need") };
+        let Some(traced) = renderer.world().traced() else {
+            unreachable!("a tracer is made where Renderer::ensure has brought what rays need")
+        };
         let emitter_chance =
-            emitter_chance(traced.emitted_power, lights.iter().map(|light| power(light, renderer.device_scene().bounds)).sum());
+            emitter_chance(traced.emitted_power, lights.iter().map(|light| power(light, renderer.world().device().bounds)).sum());
         let environment = lights.iter().filter_map(|light| match light {
             Light::Environment { radiance } => Some(*radiance),
             _ => None,
@@ -194,7 +203,9 @@ impl Tracer {
     fn rows(&mut self, renderer: &mut Renderer, execution: &Execution, first_row: u32, rows: u32) -> Result<(u64, f64)> {
         renderer.set_time_of_rays(self.time)?;
         let mut g = Graph::new();
-        let Some(traced) = renderer.traced_scene() else { unreachable!("the scene was brought without what rays need") };
+        let Some(traced) = renderer.world().traced() else {
+            unreachable!("a tracer is made where Renderer::ensure has brought what rays need")
+        };
         let scene = traced.import(&mut g);
         let mut lights = vec![Projector::zeroed(); Projector::MAX];
         lights[..self.lights.len()].copy_from_slice(&self.lights);
@@ -260,7 +271,9 @@ impl Tracer {
     pub fn features(&self, renderer: &mut Renderer) -> Result<Features> {
         renderer.set_time_of_rays(self.time)?;
         let mut g = Graph::new();
-        let Some(traced) = renderer.traced_scene() else { unreachable!("the scene was brought without what rays need") };
+        let Some(traced) = renderer.world().traced() else {
+            unreachable!("a tracer is made where Renderer::ensure has brought what rays need")
+        };
         let scene = traced.import(&mut g);
         let view = g.upload("reference/view", &[self.view]);
         let (size, _) = self.sums_size();

@@ -7,21 +7,13 @@
 pub mod animation;
 pub mod builder;
 pub mod builtin;
-pub mod bvh;
-pub mod device;
-pub mod device_bvh;
 pub mod gltf;
 pub mod order;
 pub mod pack;
-pub mod projection;
-pub mod shells;
 pub mod source;
 pub mod split;
 pub mod tangents;
-pub mod traced;
 pub mod track;
-pub mod triangles;
-pub mod view;
 
 use glam::{Affine3A, Mat2, Vec2, Vec3};
 

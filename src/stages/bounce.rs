@@ -1,12 +1,17 @@
 //! Light that goes on from VPLs (Aranha, Macedo and Apolinario, "Screen-space VPL propagation"): VPLs in clusters, a paraboloid map of what
 //! each cluster sees, and VPLs of the next bounce where samples of the maps lie.
 
+use super::facts::{Facts, planned_turns};
+use super::methods::{Choice, Needs};
 use super::vpls::{VplPoint, Vpls};
+use super::wants::Wants;
 use crate::config::{BounceConfig, Centers, Config, Layers, Pattern, Representative, Shares, VisibilityMethod};
-use crate::gpu::Format;
+use crate::fail;
+use crate::gpu::{Feature, Format};
 use crate::graph::{Buffer, Graph, Image};
-use crate::scene::device::{DeviceScene, Maps, Parts, SceneHandles};
 use crate::shader_struct;
+use crate::world::device::{FrameScene, Maps, Parts};
+use anyhow::Result;
 
 shader_struct! {
     /// `glsl/bounce/cluster.glsl`.
@@ -92,9 +97,10 @@ pub struct Clusters {
     pub far: f32,
 }
 
-/// Turns of k-means' loops that a device's invocation may make (llvmpipe ends them without a word after 65,535), and those of a round.
-const MOST_TURNS: u64 = 50_000;
+/// Turns of k-means' loops that an invocation may make.
+const MOST_TURNS: u64 = planned_turns(50_000);
 
+/// Turns of a round of it.
 fn turns_a_round(vpls: u32, clusters: u32) -> u64 {
     let (vpls, clusters) = (u64::from(vpls), u64::from(clusters));
     let parts = 256 / clusters;
@@ -108,28 +114,77 @@ pub fn most_rounds(vpls: u32, clusters: u32) -> u32 {
     (MOST_TURNS.saturating_sub(first_centres) / turns_a_round(vpls, clusters)).saturating_sub(1).min(64) as u32
 }
 
+impl Choice for Layers {
+    const KEY: &'static str = "bounce.layers";
+
+    fn needs(self) -> Needs {
+        use Feature::{ClipDistance, GeometryShader, LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters, Snorm16Images};
+        match self {
+            Self::Instanced | Self::PerLayer => {
+                &[&[MultiDrawIndirect, ShaderDrawParameters, ClipDistance, LayerFromVertexShader, Snorm16Images]]
+            }
+            Self::GeometryShader => &[&[MultiDrawIndirect, ShaderDrawParameters, ClipDistance, GeometryShader, Snorm16Images]],
+        }
+    }
+}
+
+/// Whether a config's frames put VPLs into clusters.
+pub fn has_clusters(config: &Config) -> bool {
+    config.bounce.count > 1 || config.visibility.method == VisibilityMethod::Clusters
+}
+
+/// Refuses more VPLs than k-means takes on every driver.
+pub fn check(config: &Config, facts: &Facts) -> Result<()> {
+    if !has_clusters(config) {
+        return Ok(());
+    }
+    let counts = [("vpls.count", facts.vpls), ("bounce.vpls", config.bounce.vpls)];
+    for (key, count) in &counts[..if config.bounce.count > 2 { 2 } else { 1 }] {
+        if most_rounds(*count, config.bounce.clusters) == 0 {
+            return Err(fail!(
+                BadInput,
+                "{key}: {count} VPLs are too many to be put into {} clusters on every driver; lower either",
+                config.bounce.clusters
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// What a user should know of how a config's clusters are made.
+pub fn warnings(config: &Config, vpls: u32) -> Vec<String> {
+    if !has_clusters(config) {
+        return Vec::new();
+    }
+    let bent = "scene.split: is not set, and the maps of clusters bend the edges of large triangles; 0.02 is a good value";
+    let slow = "bounce.rounds: so many VPLs and clusters have fewer rounds of k-means a frame; clusters may be unsettled for some frames";
+    let few = most_rounds(vpls, config.bounce.clusters) < config.bounce.rounds;
+    let warnings = [config.scene.split.is_none().then_some(bent), few.then_some(slow)];
+    warnings.into_iter().flatten().map(str::to_owned).collect()
+}
+
 /// The config's bounces, the first one's VPLs being given.
-pub fn propagate(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, first: Vpls, config: &Config) -> Vec<Bounce> {
+pub fn propagate(g: &mut Graph, scene: FrameScene<'_>, first: Vpls, wants: &Wants, config: &BounceConfig) -> Vec<Bounce> {
     let mut bounces = vec![Bounce { vpls: first, clusters: None }];
-    for next in 2..=config.bounce.count {
+    for next in 2..=config.count {
         let last = &mut bounces[next as usize - 2];
         let vpls = g.again(next - 1, |g| {
-            let clusters = clusters(g, scene, handles, &last.vpls, config);
+            let clusters = clusters(g, scene, &last.vpls, wants.seed, config);
             last.clusters = Some(clusters);
-            sample(g, &clusters, &config.bounce)
+            sample(g, &clusters, config)
         });
         bounces.push(Bounce { vpls, clusters: None });
     }
-    if config.bounce.count == 1 && config.visibility.method == VisibilityMethod::Clusters {
-        bounces[0].clusters = Some(clusters(g, scene, handles, &first, config));
+    if config.count == 1 && wants.clusters {
+        bounces[0].clusters = Some(clusters(g, scene, &first, wants.seed, config));
     }
     bounces
 }
 
 /// Puts VPLs into clusters and renders what these see.
-fn clusters(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, vpls: &Vpls, config: &Config) -> Clusters {
-    let BounceConfig { clusters: count, map_size, .. } = config.bounce;
-    let far = scene.bounds.size().length();
+fn clusters(g: &mut Graph, scene: FrameScene<'_>, vpls: &Vpls, seed: u32, config: &BounceConfig) -> Clusters {
+    let BounceConfig { clusters: count, map_size, .. } = *config;
+    let far = scene.bounds().size().length();
     let size = [map_size; 2];
     let clusters = Clusters {
         count,
@@ -141,8 +196,8 @@ fn clusters(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, vpls: &Vp
         size: map_size,
         far,
     };
-    k_means(g, vpls, &clusters, &config.bounce, config.frame.seed);
-    draw(g, scene, handles, &clusters, &config.bounce);
+    k_means(g, vpls, &clusters, config, seed);
+    draw(g, scene, &clusters, config);
     clusters
 }
 
@@ -180,7 +235,7 @@ fn k_means(g: &mut Graph, vpls: &Vpls, clusters: &Clusters, config: &BounceConfi
 }
 
 /// The layers of all clusters (section III-C), filled in the config's way.
-fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, clusters: &Clusters, config: &BounceConfig) {
+fn draw(g: &mut Graph, scene: FrameScene<'_>, clusters: &Clusters, config: &BounceConfig) {
     let count = clusters.count;
     let depth = g.layered_image("bounce/depth", Format::Depth32, [clusters.size; 2], count);
     let texels = f64::from(clusters.size).powi(2) * std::f64::consts::FRAC_PI_4 * f64::from(count);
@@ -201,7 +256,7 @@ fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, clusters: &Cl
                     let pass = g
                         .raster("bounce/draw")
                         .shader("bounce/draw-layer")
-                        .reads("draws", handles.draws)
+                        .reads("draws", scene.draws)
                         .reads("parts", parts.parts)
                         .reads("clusters", clusters.clusters)
                         .params(&params(layer));
@@ -226,7 +281,7 @@ fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, clusters: &Cl
     let (parts, layers) = seen_parts(g, scene, clusters, [0, count], group);
     g.raster("bounce/draw")
         .shader(shader)
-        .reads("draws", handles.draws)
+        .reads("draws", scene.draws)
         .reads("parts", parts.parts)
         .reads("layers", layers)
         .reads("clusters", clusters.clusters)
@@ -240,7 +295,7 @@ fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, clusters: &Cl
 
 /// The scene's parts with an instance for each of the clusters (first and number) whose hemisphere they reach into, or for each group of so
 /// many; beside them, which cluster or group each part's instances are for.
-fn seen_parts(g: &mut Graph, scene: &DeviceScene, clusters: &Clusters, [first, count]: [u32; 2], group: u32) -> (Parts, Buffer) {
+fn seen_parts(g: &mut Graph, scene: FrameScene<'_>, clusters: &Clusters, [first, count]: [u32; 2], group: u32) -> (Parts, Buffer) {
     let parts = scene.parts(g, "bounce", Maps::Reflection);
     let layers = g.buffer::<u32>("bounce/layers", parts.count.max(1) * count);
     let all = u32::from(g.is_warming_up());

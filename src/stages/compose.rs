@@ -2,6 +2,7 @@
 
 use super::gather::Indirect;
 use super::gbuffer::GBuffer;
+use super::methods::{Method, NOTHING};
 use crate::config::{ComposeConfig, Tonemap};
 use crate::gpu::Format;
 use crate::graph::{Graph, Image};
@@ -25,6 +26,11 @@ pub struct Composed {
     pub radiance: Image,
     /// Tone-mapped and sRGB-encoded, 8 bits a channel.
     pub image: Image,
+}
+
+/// The only way to fill the slot.
+pub fn method() -> Method {
+    Method::only("compose", "sum", NOTHING)
 }
 
 /// Adds direct, indirect and emitted light; the indirect times `visible`, where that is; `environment` is the radiance where there is no surface.

@@ -1,12 +1,11 @@
 //! Light that comes straight from the lights, with shadows from the depth of their reflective shadow maps.
 
-use super::gbuffer::GBuffer;
+use super::methods::{Choice, NOTHING, Needs};
 use super::rsm::Rsm;
+use super::visibility::Surroundings;
 use crate::config::{Dielectric, DirectConfig, Shadows};
-use crate::gpu::{Format, Sampler};
+use crate::gpu::{Feature, Format, Sampler};
 use crate::graph::{Graph, Image};
-use crate::scene::device::DeviceScene;
-use crate::scene::traced::TracedHandles;
 use crate::shader_struct;
 
 shader_struct! {
@@ -24,16 +23,20 @@ shader_struct! {
     }
 }
 
+impl Choice for Shadows {
+    const KEY: &'static str = "direct.shadows";
+
+    fn needs(self) -> Needs {
+        match self {
+            Self::Variance => &[&[Feature::FilteredRg32Float]],
+            Self::PercentageCloser | Self::RayTraced | Self::None => NOTHING,
+        }
+    }
+}
+
 /// Fills the slot with the config's shadows; the image holds outgoing radiance, albedo included.
-pub fn shade(
-    g: &mut Graph,
-    scene: &DeviceScene,
-    traced: Option<&TracedHandles>,
-    gbuffer: &GBuffer,
-    rsm: &Rsm,
-    dielectric: Dielectric,
-    config: &DirectConfig,
-) -> Image {
+pub fn shade(g: &mut Graph, around: Surroundings<'_>, config: &DirectConfig) -> Image {
+    let Surroundings { scene, traced, gbuffer, rsm, wants, .. } = around;
     let direct = g.image("direct/radiance", Format::Rgba16Float, gbuffer.size);
     let moments = match config.shadows {
         Shadows::Variance => Some(variance_moments(g, rsm, config.blur)),
@@ -54,9 +57,9 @@ pub fn shade(
         .reads("albedo", gbuffer.albedo)
         .reads("metallic_roughness", gbuffer.metallic_roughness)
         .writes("direct", direct)
-        .constant("GLOSSY_DIELECTRIC", dielectric == Dielectric::Ggx)
+        .constant("GLOSSY_DIELECTRIC", wants.dielectric == Dielectric::Ggx)
         .constant("LIGHT_KIND", rsm.kind)
-        .constant("METALS", scene.has_metals)
+        .constant("METALS", scene.has_metals())
         .params(&ShadeParams {
             lights: rsm.layers,
             bias: config.bias,

@@ -2,6 +2,7 @@
 
 use super::gather::Indirect;
 use super::gbuffer::GBuffer;
+use super::methods::{Choice, NOTHING, Needs};
 use crate::config::{FilterConfig, FilterKind};
 use crate::gpu::Format;
 use crate::graph::{Graph, Image};
@@ -15,8 +16,19 @@ shader_struct! {
     }
 }
 
-/// Fills the slot with the config's kind. `interleave` is the size of the pattern that is to go.
-pub fn smooth(g: &mut Graph, gbuffer: &GBuffer, noisy: Indirect, interleave: u32, config: &FilterConfig) -> Indirect {
+impl Choice for FilterKind {
+    const KEY: &'static str = "filter.kind";
+
+    fn needs(self) -> Needs {
+        match self {
+            Self::Bilateral | Self::Gaussian | Self::CrossBilateral | Self::None => NOTHING,
+        }
+    }
+}
+
+/// Fills the slot with the config's kind.
+pub fn smooth(g: &mut Graph, gbuffer: &GBuffer, noisy: Indirect, config: &FilterConfig) -> Indirect {
+    let interleave = noisy.pattern.side();
     let (shader, radius) = match config.kind {
         FilterKind::None => return noisy,
         // Without a pattern and without a wish there is nothing to smooth.
@@ -30,7 +42,7 @@ pub fn smooth(g: &mut Graph, gbuffer: &GBuffer, noisy: Indirect, interleave: u32
         separable(g, gbuffer, noisy.irradiance, shader, ["filter/rows", "filter/columns", "filter/irradiance"], radius, config);
     let names = ["filter/reflection-rows", "filter/reflection-columns", "filter/reflection"];
     let reflection = noisy.reflection.map(|noisy| separable(g, gbuffer, noisy, shader, names, radius, config));
-    Indirect { irradiance, reflection }
+    Indirect { irradiance, reflection, ..noisy }
 }
 
 /// Depth- and normal-aware, first along rows, then along columns (Laine et al. 2007); the shader says how weights fall.

@@ -1,9 +1,14 @@
 //! What the camera sees: surfaces by pixel.
 
-use crate::gpu::Format;
+use super::facts::Facts;
+use super::methods::Method;
+use crate::config::Config;
+use crate::fail;
+use crate::gpu::{Feature, Format};
 use crate::graph::{Buffer, Graph, Image};
-use crate::scene::device::{DeviceScene, Maps, SceneHandles};
-use crate::scene::projection::View;
+use crate::world::device::{FrameScene, Maps};
+use crate::world::projection::View;
+use anyhow::Result;
 
 /// One image a property, each of the picture's size. A pixel without a surface has depth 0.
 #[derive(Debug, Clone, Copy)]
@@ -22,8 +27,28 @@ pub struct GBuffer {
     pub emission: Image,
 }
 
+/// The only way to fill the slot, with what a device must have for it.
+pub fn method() -> Method {
+    Method::only("gbuffer", "draw", &[&[Feature::MultiDrawIndirect, Feature::ShaderDrawParameters, Feature::Snorm16Images]])
+}
+
+/// Refuses pictures that are larger than the device renders to.
+pub fn check(config: &Config, facts: &Facts) -> Result<()> {
+    let [width, height] = config.frame.size;
+    let limits = &facts.adapter.limits;
+    let [max_width, max_height] = limits.framebuffer_size.map(|n| n.min(limits.image_size));
+    if width > max_width || height > max_height {
+        return Err(fail!(
+            BadInput,
+            "frame.size: {width}x{height} is over the {max_width}x{max_height} that {} allows",
+            facts.adapter.name
+        ));
+    }
+    Ok(())
+}
+
 /// Rasterizes the scene.
-pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, view: &View) -> GBuffer {
+pub fn draw(g: &mut Graph, scene: FrameScene<'_>, view: &View) -> GBuffer {
     let size = [view.width, view.height];
     let gbuffer = GBuffer {
         view: g.upload("gbuffer/view", &[*view]),
@@ -37,7 +62,7 @@ pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, view: &Vi
     let lists = scene.draw_lists(g, "gbuffer", Maps::All, 1, |bounds| view.sees(bounds).then(|| view.distance(bounds)));
     g.raster("gbuffer/draw")
         .reads("view", gbuffer.view)
-        .reads("draws", handles.draws)
+        .reads("draws", scene.draws)
         .color("normal", gbuffer.normal, [0.0; 4])
         .color("albedo", gbuffer.albedo, [0.0; 4])
         .color("metallic_roughness", gbuffer.metallic_roughness, [0.0; 4])

@@ -1,101 +1,94 @@
 //! The slots of the frame: a module each, named as its folder of shaders. A method that fills a slot is a function with typed
-//! inputs and outputs; what a stage makes exists only as what it returns.
+//! inputs and outputs; what a stage makes exists only as what it returns. A stage also says what its methods need of a device, what it
+//! refuses and what it warns of, beside the functions that are the reason. `README.md` beside this file says how to add a method.
 
 pub mod bounce;
 pub mod compose;
 pub mod direct;
+pub mod facts;
 pub mod filter;
 pub mod gather;
 pub mod gbuffer;
+pub mod interleave;
+pub mod methods;
+pub mod residents;
 pub mod rsm;
 pub mod ssao;
 pub mod visibility;
 pub mod vpls;
+pub mod wants;
 
-use crate::gpu::{Adapter, Feature};
-use crate::scene::shells::CONSERVATIVE;
-
-/// A way to fill a slot, by its name in the config, and what a device must have for it.
-pub struct Method {
-    pub slot: &'static str,
-    pub name: &'static str,
-    pub needs: &'static [Feature],
-}
-
-impl Method {
-    /// What the device lacks for it; what is left to the program may be had by the extension instead.
-    pub fn missing(&self, adapter: &Adapter) -> Vec<Feature> {
-        let instead = self.name == "automatic" && adapter.missing(CONSERVATIVE).is_empty();
-        if instead { Vec::new() } else { adapter.missing(self.needs) }
-    }
-}
-
-/// Every method there is.
-pub const METHODS: &[Method] = {
-    use Feature::{
-        BlendedRgba32Float, ClipDistance, FilteredRg32Float, FragmentStores, GeometryShader, LargePoints, LayerFromVertexShader,
-        MultiDrawIndirect, ShaderDrawParameters, Snorm16Images, SubgroupBallot, TessellationShader, VertexPipelineStores,
-    };
-    const fn method(slot: &'static str, name: &'static str, needs: &'static [Feature]) -> Method {
-        Method { slot, name, needs }
-    }
-    &[
-        method("gbuffer", "draw", &[MultiDrawIndirect, ShaderDrawParameters, Snorm16Images]),
-        method("rsm", "draw", &[MultiDrawIndirect, ShaderDrawParameters, LayerFromVertexShader, Snorm16Images]),
-        method("vpls.sampler", "regular", &[]),
-        method("vpls.sampler", "hammersley", &[]),
-        method("vpls.sampler", "every-texel", &[]),
-        method(
-            "bounce.layers",
-            "instanced",
-            &[MultiDrawIndirect, ShaderDrawParameters, ClipDistance, LayerFromVertexShader, Snorm16Images],
-        ),
-        method("bounce.layers", "geometry-shader", &[MultiDrawIndirect, ShaderDrawParameters, ClipDistance, GeometryShader, Snorm16Images]),
-        method(
-            "bounce.layers",
-            "per-layer",
-            &[MultiDrawIndirect, ShaderDrawParameters, ClipDistance, LayerFromVertexShader, Snorm16Images],
-        ),
-        method("visibility.method", "none", &[]),
-        method("visibility.method", "ray-traced", &[]),
-        method("visibility.method", "imperfect-shadow-maps", &[]),
-        method("visibility.method", "clusters", &[]),
-        method("visibility.points", "uniform", &[]),
-        method("visibility.points", "adaptive", &[]),
-        method("visibility.collect", "compute", &[]),
-        method("visibility.collect", "tessellation", &[TessellationShader, GeometryShader, VertexPipelineStores]),
-        method("visibility.renderer", "single-pixel", &[]),
-        method("visibility.renderer", "splat", &[TessellationShader, GeometryShader, LargePoints]),
-        method("gather.method", "per-pixel", &[SubgroupBallot]),
-        method("gather.culling", "none", &[]),
-        method("gather.culling", "tiled", &[]),
-        method("gather.culling", "clustered", &[]),
-        method("gather.culling", "stochastic-tiled", &[]),
-        method("gather.culling", "splatting", &[MultiDrawIndirect, ClipDistance, BlendedRgba32Float]),
-        method("gather.culling", "conservative-clusters", &[MultiDrawIndirect, FragmentStores]),
-        method("gather.rasterization", "automatic", &[GeometryShader]),
-        method("gather.rasterization", "geometry-shader", &[GeometryShader]),
-        method("gather.rasterization", "extension", CONSERVATIVE),
-        method("filter.kind", "bilateral", &[]),
-        method("filter.kind", "gaussian", &[]),
-        method("filter.kind", "cross-bilateral", &[]),
-        method("filter.kind", "none", &[]),
-        method("direct.shadows", "variance", &[FilteredRg32Float]),
-        method("direct.shadows", "percentage-closer", &[]),
-        method("direct.shadows", "ray-traced", &[]),
-        method("direct.shadows", "none", &[]),
-        method("ssao.method", "none", &[]),
-        method("ssao.method", "horizons", &[FilteredRg32Float]),
-        method("compose", "sum", &[]),
-        method("reference", "path", &[]),
-    ]
+use crate::config::{
+    Collect, Config, Culling, FilterKind, GatherMethod, IsmRenderer, Layers, PointSet, Rasterization, Shadows, SsaoMethod,
+    VisibilityMethod, VplSampler,
 };
+use crate::scene::Light;
+use anyhow::Result;
+use facts::Facts;
+use methods::Method;
 
-/// Slots that are in use only where VPLs are put into clusters.
-pub const OF_CLUSTERS: &[&str] = &["bounce.layers"];
+/// All methods of all slots of the frame, in its order.
+pub fn methods() -> Vec<Method> {
+    [
+        vec![gbuffer::method(), rsm::method()],
+        Method::every::<VplSampler>(),
+        Method::every::<Layers>(),
+        Method::every::<VisibilityMethod>(),
+        Method::every::<PointSet>(),
+        Method::every::<Collect>(),
+        Method::every::<IsmRenderer>(),
+        Method::every::<GatherMethod>(),
+        Method::every::<Culling>(),
+        Method::every::<Rasterization>(),
+        Method::every::<FilterKind>(),
+        Method::every::<Shadows>(),
+        Method::every::<SsaoMethod>(),
+        vec![compose::method()],
+    ]
+    .concat()
+}
 
-/// Slots that are in use only where light lists of clusters are made by rasterization.
-pub const OF_SHELLS: &[&str] = &["gather.rasterization"];
+/// The methods that a config's frames use.
+pub fn methods_of(config: &Config) -> Vec<Method> {
+    let mut methods = vec![gbuffer::method(), rsm::method(), Method::of(config.vpls.sampler)];
+    if bounce::has_clusters(config) {
+        methods.push(Method::of(config.bounce.layers));
+    }
+    methods.push(Method::of(config.visibility.method));
+    if visibility::needs_triangles(config) {
+        let visibility = &config.visibility;
+        methods.extend([Method::of(visibility.points), Method::of(visibility.collect), Method::of(visibility.renderer)]);
+    }
+    methods.extend(gather::methods(config));
+    methods.extend([Method::of(config.filter.kind), Method::of(config.direct.shadows), Method::of(config.ssao.method), compose::method()]);
+    methods
+}
 
-/// Slots that are in use only where VPLs have imperfect shadow maps.
-pub const OF_MAPS: &[&str] = &["visibility.points", "visibility.collect", "visibility.renderer"];
+/// Whether a config's frames trace rays.
+pub fn needs_rays(config: &Config) -> bool {
+    visibility::needs_rays(config) || config.direct.shadows == Shadows::RayTraced
+}
+
+/// Refuses what the device cannot do under a config, by the keys that ask for it.
+///
+/// # Errors
+/// `BadInput` for a limit, `NoDevice` for a feature that is missing.
+pub fn check(config: &Config, facts: &Facts) -> Result<()> {
+    gbuffer::check(config, facts)?;
+    rsm::check(config, facts)?;
+    methods_of(config).iter().try_for_each(|method| method.check(facts.adapter))?;
+    vpls::check(facts)?;
+    bounce::check(config, facts)?;
+    visibility::check(config, facts)?;
+    gather::check(config, facts)
+}
+
+/// What a user should know of how a config is rendered under these lights.
+pub fn warnings(config: &Config, lights: &[Light], vpls: u32) -> Vec<String> {
+    [rsm::warnings(lights), bounce::warnings(config, vpls)].concat()
+}
+
+/// What a user should know of how a frame went, by what its passes counted.
+pub fn warnings_of_frame(counts: &[(String, u64)]) -> Vec<String> {
+    [visibility::warnings_of_frame(counts), gather::warnings_of_frame(counts)].concat()
+}

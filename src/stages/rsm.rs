@@ -1,11 +1,17 @@
 //! Reflective shadow maps (Dachsbacher and Stamminger 2005): what each light sees, and how much of its flux arrives there.
 
-use crate::config::{Config, Dielectric, Reflection};
-use crate::gpu::Format;
+use super::facts::Facts;
+use super::methods::Method;
+use super::wants::Wants;
+use crate::config::{Config, Dielectric, RsmConfig};
+use crate::fail;
+use crate::gpu::{Feature, Format};
 use crate::graph::{Buffer, Graph, Image};
-use crate::scene::device::{DeviceScene, Maps, SceneHandles};
-use crate::scene::projection::Projector;
+use crate::scene::Light;
 use crate::shader_struct;
+use crate::world::device::{FrameScene, Maps};
+use crate::world::projection::Projector;
+use anyhow::Result;
 use bytemuck::Zeroable;
 
 /// A map a light, as layers of the same images. A texel without a surface has depth 0 and no flux.
@@ -50,10 +56,37 @@ shader_struct! {
     }
 }
 
-/// Rasterizes the scene once for all lights: an instance each, which the vertex shader sends to its layer. The config
-/// says how many texels a VPL stands for, and whether some are glossy.
-pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &[Projector], config: &Config) -> Rsm {
-    let size = config.rsm.size;
+/// The only way to fill the slot, with what a device must have for it.
+pub fn method() -> Method {
+    use Feature::{LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters, Snorm16Images};
+    Method::only("rsm", "draw", &[&[MultiDrawIndirect, ShaderDrawParameters, LayerFromVertexShader, Snorm16Images]])
+}
+
+/// Refuses maps that are larger than the device renders to.
+pub fn check(config: &Config, facts: &Facts) -> Result<()> {
+    let [width, height] = config.rsm.size;
+    let limits = &facts.adapter.limits;
+    let [max_width, max_height] = limits.framebuffer_size.map(|n| n.min(limits.image_size));
+    if width > max_width || height > max_height {
+        return Err(fail!(BadInput, "rsm.size: {width}x{height} is over the {max_width}x{max_height} that {} allows", facts.adapter.name));
+    }
+    Ok(())
+}
+
+/// What the maps of these lights leave out.
+pub fn warnings(lights: &[Light]) -> Vec<String> {
+    let environment = lights.iter().any(|light| matches!(light, Light::Environment { .. }));
+    let wide = |light: &Light| matches!(light, Light::Spot { outer, .. } if *outer > Projector::WIDEST_SPOT);
+    let warnings = [
+        environment.then_some("light: an environment is seen by the camera, but lights nothing in a rasterized frame"),
+        lights.iter().any(wide).then_some("light: a spot light is wider than 80 degrees to each side; beyond them it lights nothing"),
+    ];
+    warnings.into_iter().flatten().map(str::to_owned).collect()
+}
+
+/// Rasterizes the scene once for all lights: an instance each, which the vertex shader sends to its layer.
+pub fn draw(g: &mut Graph, scene: FrameScene<'_>, lights: &[Projector], wants: &Wants, config: &RsmConfig) -> Rsm {
+    let size = config.size;
     let layers = lights.len() as u32;
     let mut block = vec![Projector::zeroed(); Projector::MAX];
     block[..lights.len()].copy_from_slice(lights);
@@ -62,12 +95,12 @@ pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &
         layers,
         kind: Projector::common_kind(lights),
         size,
-        covers_all: config.rsm.bounds.is_none(),
+        covers_all: config.bounds.is_none(),
         depth: g.layered_image("rsm/depth", Format::Depth32, size, layers),
         normal: g.layered_image("rsm/normal", Format::Rg16Snorm, size, layers),
         flux: g.layered_image("rsm/flux", Format::Rgba32Float, size, layers),
         albedo: g.layered_image("rsm/albedo", Format::Rgba16Float, size, layers),
-        glossy: (config.vpls.reflection != Reflection::Diffuse).then(|| GlossyRsm {
+        glossy: wants.glossy.then(|| GlossyRsm {
             specular: g.layered_image("rsm/specular", Format::Rgba16Float, size, layers),
             lobe: g.layered_image("rsm/lobe", Format::Rgba32Float, size, layers),
         }),
@@ -75,16 +108,15 @@ pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &
     let lists = scene.draw_lists(g, "rsm", Maps::Reflection, layers, |bounds| {
         lights.iter().filter(|light| light.sees(bounds)).map(|light| light.distance(bounds)).reduce(f32::min)
     });
-    let texels_per_vpl = f64::from(size[0]) * f64::from(size[1]) * f64::from(layers) / f64::from(config.vpl_count(layers));
     let mut pass = g
         .raster("rsm/draw")
         .reads("lights", rsm.lights)
-        .reads("draws", handles.draws)
+        .reads("draws", scene.draws)
         .constant("SEVERAL_LIGHTS", layers > 1)
         .constant("LIGHT_KIND", rsm.kind)
         .params(&RsmParams {
             texel_size: [2.0 / size[0] as f32, 2.0 / size[1] as f32],
-            albedo_lod: (0.5 * texels_per_vpl.log2()).max(0.0) as f32,
+            albedo_lod: (0.5 * wants.texels_per_vpl.log2()).max(0.0) as f32,
         })
         .color("normal", rsm.normal, [0.0; 4])
         .color("albedo", rsm.albedo, [0.0; 4])
@@ -92,7 +124,7 @@ pub fn draw(g: &mut Graph, scene: &DeviceScene, handles: SceneHandles, lights: &
     if let Some(glossy) = rsm.glossy {
         pass = pass
             .shader("rsm/draw-glossy")
-            .constant("GLOSSY_DIELECTRIC", config.materials.dielectric == Dielectric::Ggx)
+            .constant("GLOSSY_DIELECTRIC", wants.dielectric == Dielectric::Ggx)
             .color("specular", glossy.specular, [0.0; 4])
             .color("lobe", glossy.lobe, [0.0; 4]);
     }

@@ -2,8 +2,9 @@
 //! their maps. One of the thesis's passes (Linke 2016, section 4.2); by horizons (Jimenez et al. 2016).
 
 use super::gbuffer::GBuffer;
+use super::methods::{Choice, NOTHING, Needs};
 use crate::config::{SsaoConfig, SsaoMethod, SsaoResolution};
-use crate::gpu::Format;
+use crate::gpu::{Feature, Format};
 use crate::graph::{Graph, Image};
 use crate::shader_struct;
 
@@ -34,6 +35,17 @@ shader_struct! {
 
 /// Texels farther from the surface's course than this are another surface's; in units of its distance.
 const TOLERANCE: f32 = 0.01;
+
+impl Choice for SsaoMethod {
+    const KEY: &'static str = "ssao.method";
+
+    fn needs(self) -> Needs {
+        match self {
+            Self::None => NOTHING,
+            Self::Horizons => &[&[Feature::FilteredRg32Float]],
+        }
+    }
+}
 
 /// The share of its hemisphere that each pixel sees, weighted by the cosine, in [0, 1]; `None` where the config has no method.
 pub fn occlusion(g: &mut Graph, gbuffer: &GBuffer, config: &SsaoConfig) -> Option<Image> {

@@ -1,10 +1,14 @@
 //! Virtual point lights from the reflective shadow maps.
 
+use super::facts::Facts;
 use super::gbuffer::GBuffer;
+use super::methods::{Choice, NOTHING, Needs};
 use super::rsm::Rsm;
 use crate::config::{Importance, Reflection, VplSampler, VplsConfig};
+use crate::fail;
 use crate::graph::{Buffer, Graph};
 use crate::shader_struct;
+use anyhow::Result;
 
 shader_struct! {
     /// `glsl/lib/vpl.glsl`.
@@ -70,6 +74,28 @@ const CELLS: u32 = 64;
 struct Distribution {
     columns: Buffer,
     rows: Buffer,
+}
+
+impl Choice for VplSampler {
+    const KEY: &'static str = "vpls.sampler";
+
+    fn needs(self) -> Needs {
+        match self {
+            Self::Regular | Self::Hammersley | Self::EveryTexel => NOTHING,
+        }
+    }
+}
+
+/// Refuses numbers of VPLs that the maps' texels do not give.
+pub fn check(facts: &Facts) -> Result<()> {
+    let (count, maps, texels) = (u64::from(facts.vpls), u64::from(facts.maps), facts.texels);
+    if count < maps || count > texels {
+        return Err(fail!(
+            BadInput,
+            "vpls.count: {count} is out of range, expected {maps} to {texels}: at least one for each shadow map, at most one a texel"
+        ));
+    }
+    Ok(())
 }
 
 /// Fills the slot with the config's sampler. Counts `vpls/lit`, VPLs that have flux.

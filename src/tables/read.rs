@@ -341,7 +341,8 @@ fn place(node: &Node, path: &str, names: &Names) -> Result<Place> {
 
 /// A stage is known by its name; a pass only to the frame that has it.
 fn check_timed(of: &str, origin: &Origin, path: &str) -> Result<()> {
-    let mut stages: Vec<&str> = crate::stages::METHODS.iter().map(|method| method.slot.split('.').next().unwrap_or(method.slot)).collect();
+    let mut stages: Vec<&str> =
+        crate::stages::methods().into_iter().map(|method| method.slot.split('.').next().unwrap_or(method.slot)).collect();
     stages.push("frame");
     stages.dedup();
     let stage = of.split('/').next().unwrap_or(of);

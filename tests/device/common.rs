@@ -9,6 +9,7 @@ use manylight::reference::{Settings, Sums, Tracer};
 use manylight::renderer::{Rendered, Renderer};
 use manylight::scene::builder::Mesh;
 use manylight::scene::{Material, Scene};
+use manylight::world::Needs;
 use std::cell::RefCell;
 use std::f64::consts::PI;
 use std::io::Write;
@@ -39,12 +40,15 @@ pub fn finish(gpu: &Gpu) {
 }
 
 pub fn renderer(scene: Scene) -> Renderer {
-    Renderer::new(gpu(), scene).unwrap_or_else(|error| panic!("{error:#}"))
+    Renderer::new(gpu(), scene, Needs::default()).unwrap_or_else(|error| panic!("{error:#}"))
 }
 
 /// As [`renderer`], with what rays need.
 pub fn traced(scene: Scene) -> Renderer {
-    Renderer::traced(gpu(), scene).unwrap_or_else(|error| panic!("{error:#}"))
+    let rays = Needs { rays: true };
+    let mut renderer = Renderer::new(gpu(), scene, rays).unwrap_or_else(|error| panic!("{error:#}"));
+    renderer.ensure(rays).unwrap_or_else(|error| panic!("{error:#}"));
+    renderer
 }
 
 /// A scene of the folder beside the project; says so where it is not there.

@@ -3,8 +3,8 @@
 use crate::common::*;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use manylight::graph::{Buffer, Engine, Execution, Graph, Library};
-use manylight::scene::projection::{Projector, View};
 use manylight::scene::{Aabb, Camera, Light, SpotFalloff, pack};
+use manylight::world::projection::{Projector, View};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::Path;

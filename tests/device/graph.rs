@@ -3,6 +3,7 @@
 use crate::common::*;
 use manylight::gpu::{Accesses, Barrier, Bound, BufferId, Format, Stages};
 use manylight::graph::{Buffer, Engine, Execution, Graph, Image, Library};
+use manylight::scene::Vertex;
 use manylight::shader_struct;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -323,13 +324,15 @@ fn raster(g: &mut Graph, outputs: [&'static str; 2], image: impl Fn(&mut Graph) 
     let (a, b) = (image(g), g.image("other image", Format::Rgba16Float, [8, 8]));
     // Nothing is drawn: the refusal comes before any command, so the geometry only has to be named.
     let arguments = g.upload("arguments", &[0u32; 5]);
+    let vertices = g.import_buffer::<Vertex>("vertices", nothing, 1);
+    let indices = g.import_buffer::<u32>("indices", nothing, 1);
     let list = manylight::graph::DrawList {
         textures: Vec::new(),
         blocks: Vec::new(),
         constants: Vec::new(),
         cull_back: false,
-        vertices: nothing,
-        indices: nothing,
+        vertices,
+        indices,
         arguments,
         first: 0,
         count: 1,

@@ -73,7 +73,7 @@ fn the_map_of_a_sphere_has_no_hole_and_the_spheres_radius() {
             let mut renderer = renderer(scene);
             let execution = Execution { dump: vec!["visibility/push-0".to_owned()], ..Execution::default() };
             let rendered = renderer.render(&config, 0, false, &execution).unwrap();
-            let far = renderer.device_scene().bounds.size().length();
+            let far = renderer.world().device().bounds.size().length();
             let map: Vec<f32> = words(dumped(&rendered, "visibility/maps")).map(f32::from_bits).collect();
             let side = 64;
             let (mut holes, mut worst) = (0, 0f32);
@@ -108,7 +108,7 @@ fn slanted(normals: bool) -> (f32, f32) {
     let mut renderer = renderer(scene);
     let execution = Execution { dump: vec!["visibility/push-0".to_owned()], ..Execution::default() };
     let rendered = renderer.render(&config, 0, false, &execution).unwrap();
-    let far = renderer.device_scene().bounds.size().length();
+    let far = renderer.world().device().bounds.size().length();
     let plane = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
     let (mut errors, mut holes) = (Vec::new(), 0);
     for (i, depth) in words(dumped(&rendered, "visibility/maps")).map(f32::from_bits).enumerate() {

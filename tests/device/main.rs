@@ -14,6 +14,7 @@ mod functions;
 mod graph;
 mod indirect;
 mod ism;
+mod lanes;
 #[path = "../gltf/make.rs"]
 #[allow(dead_code)] // The loader's tests use the rest.
 mod make;
@@ -23,3 +24,4 @@ mod repeat;
 mod sampling;
 mod ssao;
 mod stochastic;
+mod vertices;

@@ -105,7 +105,7 @@ fn both_ways_of_collecting_make_the_same_points() {
         assert_eq!(computed.len(), tessellated.len(), "{name}");
         assert_eq!(by_compute, by_tessellator, "{name}: points of each partition");
         // Every point has its twin in the same partition.
-        let extent = renderer.device_scene().bounds.size().length();
+        let extent = renderer.world().device().bounds.size().length();
         let mut partitions: BTreeMap<usize, Vec<Point>> = BTreeMap::new();
         computed.iter().for_each(|point| partitions.entry(point.partition).or_default().push(*point));
         for point in tessellated.iter() {

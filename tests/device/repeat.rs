@@ -10,6 +10,7 @@ use manylight::output::exr::Precision;
 use manylight::output::{Layer, write_exr, write_png};
 use manylight::renderer::Renderer;
 use manylight::scene::source::load_scene;
+use manylight::world::Needs;
 
 fn config() -> Config {
     let mut config = Config { scene: SceneConfig { builtin: Some(Builtin::Cornell), ..SceneConfig::default() }, ..Config::default() };
@@ -139,7 +140,7 @@ fn a_number_that_is_not_finite_is_found_in_the_first_pass_that_makes_it() {
 fn isolated_and_serial_timing_agree_pass_by_pass() {
     // Without the validation layer, whose own work would be in the host's times; the frames are watched by it in the tests above.
     let options = Options { device: DeviceChoice::Cpu, validate: false };
-    let mut renderer = Renderer::open(&options, load_scene(&config().scene).unwrap().0).unwrap();
+    let mut renderer = Renderer::open(&options, load_scene(&config().scene).unwrap().0, Needs::default()).unwrap();
     let mut config = config();
     config.frame.size = [256, 192];
     config.gather.interleave = 1;

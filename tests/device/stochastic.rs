@@ -12,12 +12,12 @@ use manylight::output::Picture;
 use manylight::reference::{Layer, Settings};
 use manylight::renderer::{Rendered, Renderer};
 use manylight::scene::builder::Mesh;
-use manylight::scene::projection::View;
-use manylight::scene::shells::{CONSERVATIVE, Shell, Shells};
 use manylight::scene::source::load_scene;
 use manylight::scene::{Aabb, Camera, Material, Scene};
 use manylight::shader_struct;
 use manylight::stages::gather;
+use manylight::stages::gather::shells::{CONSERVATIVE, Shell, Shells};
+use manylight::world::projection::View;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
@@ -204,6 +204,7 @@ fn slices(spheres: &[[f32; 4]], spheroids: &[Spheroid], glossy: bool) -> [Vec<u3
         let marks = [0, 1].map(|i| g.zeroed::<[u32; 2]>(&format!("marks {i}"), spheres.len() as u32 * tiles[0] * tiles[1]));
         let touched = g.image("touched", Format::R32Float, tiles.map(|side| side * INTERLEAVE));
         let places = if shell == Shell::Corners { PLACES * PLACES } else { 1 };
+        let shells = shells.import(&mut g);
         let list = shells.list(&mut g, "bounds", shell, places * spheres.len() as u32, false, vec![("GLOSSY", u32::from(glossy))]);
         let corners = shells.corners(&mut g, "corners");
         let pass = match shell {

@@ -157,8 +157,8 @@ impl Run<'_> {
             ("reference/rays", traced.rays),
             ("reference/rays-a-second", (traced.rays as f64 / traced.seconds.max(1e-9)) as u64),
             ("reference/frame", u64::from(settings.frame_index)),
-            ("scene/hierarchy-ms", renderer.traced_scene().map_or(0, |scene| scene.build_ms)),
-            ("scene/triangles", renderer.device_scene().triangles),
+            ("scene/hierarchy-ms", renderer.world().traced().map_or(0, |scene| scene.build_ms)),
+            ("scene/triangles", renderer.world().device().triangles),
             ("device/memory-bytes", renderer.gpu().memory_in_use()),
         ];
         Ok(RunReport {

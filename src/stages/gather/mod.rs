@@ -1,18 +1,20 @@
 //! Irradiance at every pixel from the VPLs.
 
+mod limits;
 mod rivals;
+pub mod shells;
 mod stochastic;
 
-pub use rivals::shell_bytes;
+pub use limits::{MOST_TURNS, check, choices, methods, needs_shells, warnings_of_frame};
 pub use stochastic::Roulette;
 
 use super::gbuffer::GBuffer;
-use super::visibility::{Ism, Visibility};
+use super::interleave::Interleave;
+use super::visibility::{Ism, Surroundings, Visibility};
 use super::vpls::Vpls;
-use crate::config::{Culling, Dielectric, Emitters, GatherConfig, GatherMethod, Lookup};
+use crate::config::{Culling, Emitters, GatherConfig, GatherMethod, Lookup};
 use crate::gpu::Format;
 use crate::graph::{Buffer, ComputePass, Graph, Image};
-use crate::scene::shells::Shells;
 use crate::shader_struct;
 
 shader_struct! {
@@ -49,13 +51,6 @@ shader_struct! {
     }
 }
 
-/// llvmpipe ends an invocation's loops after 65,535 turns in all, without a word; `glsl/gather/per-pixel.glsl` takes at most
-/// two turns for four VPLs.
-pub const MOST_VPLS_A_PIXEL: u64 = 100_000;
-
-/// Turns of its loops that an invocation of stochastic culling may make: for each VPL of its pixel one a list, and less than one beside.
-pub const MOST_TURNS: u64 = 60_000;
-
 /// Indirect light at the pixels.
 #[derive(Debug, Clone, Copy)]
 pub struct Indirect {
@@ -63,45 +58,42 @@ pub struct Indirect {
     pub irradiance: Image,
     /// Radiance to the eye that surfaces' gloss makes of it; there where it is wanted.
     pub reflection: Option<Image>,
-}
-
-impl From<Image> for Indirect {
-    fn from(irradiance: Image) -> Self {
-        Self { irradiance, reflection: None }
-    }
+    /// The pattern that sampling has left in both, which the filter is to take out.
+    pub pattern: Interleave,
 }
 
 /// Fills the slot with the config's method: the light of all bounces' VPLs.
 pub fn indirect(
     g: &mut Graph,
-    shells: &Shells,
-    gbuffer: &GBuffer,
+    around: Surroundings<'_>,
     lights: &[(Vpls, Visibility)],
     roulette: Roulette,
-    dielectric: Dielectric,
     config: &GatherConfig,
 ) -> Indirect {
-    let of_bounce = |((vpls, visibility), time): (&(Vpls, Visibility), u32)| {
-        g.again(time, |g| match (config.method, config.culling) {
-            (GatherMethod::PerPixel, Culling::StochasticTiled) => {
-                stochastic::tiled(g, gbuffer, vpls, *visibility, roulette, dielectric, config)
-            }
-            (GatherMethod::PerPixel, Culling::Splatting) => {
-                rivals::splatting(g, shells, gbuffer, vpls, roulette, dielectric, config).into()
-            }
-            (GatherMethod::PerPixel, Culling::ConservativeClusters) => {
-                rivals::conservative_clusters(g, shells, gbuffer, vpls, roulette, dielectric, config).into()
-            }
-            (GatherMethod::PerPixel, Culling::None | Culling::Tiled | Culling::Clustered) => {
-                per_pixel(g, gbuffer, vpls, *visibility, config).into()
-            }
-        })
-    };
-    let images: Vec<Indirect> = lights.iter().zip(1..).map(of_bounce).collect();
+    match (config.method, config.culling) {
+        (GatherMethod::PerPixel, Culling::None | Culling::Tiled | Culling::Clustered) => {
+            sum_of(g, lights, |g, vpls, visibility| per_pixel(g, around, vpls, visibility, config))
+        }
+        (GatherMethod::PerPixel, Culling::StochasticTiled) => {
+            sum_of(g, lights, |g, vpls, visibility| stochastic::tiled(g, around, vpls, visibility, roulette, config))
+        }
+        (GatherMethod::PerPixel, Culling::Splatting) => {
+            sum_of(g, lights, |g, vpls, _| rivals::splatting(g, around, vpls, roulette, config))
+        }
+        (GatherMethod::PerPixel, Culling::ConservativeClusters) => {
+            sum_of(g, lights, |g, vpls, _| rivals::conservative_clusters(g, around, vpls, roulette, config))
+        }
+    }
+}
+
+/// Light of each bounce's VPLs by itself, added up.
+fn sum_of(g: &mut Graph, lights: &[(Vpls, Visibility)], one: impl Fn(&mut Graph, &Vpls, Visibility) -> Indirect) -> Indirect {
+    let images: Vec<Indirect> =
+        lights.iter().zip(1..).map(|((vpls, visibility), time)| g.again(time, |g| one(g, vpls, *visibility))).collect();
     let irradiance =
         total(g, ["gather/add", "gather/sum"], images.iter().map(|light| light.irradiance)).expect("there is a bounce at least");
     let reflection = total(g, ["gather/add-reflection", "gather/reflection-sum"], images.iter().filter_map(|light| light.reflection));
-    Indirect { irradiance, reflection }
+    Indirect { irradiance, reflection, pattern: images[0].pattern }
 }
 
 /// All of some images; the names are the pass's and the sum's.
@@ -122,23 +114,14 @@ fn add(g: &mut Graph, [pass, name]: [&'static str; 2], first: Image, second: Ima
     sum
 }
 
-/// VPLs that each pixel sums, at most.
-pub fn vpls_a_pixel(count: u32, interleave: u32) -> u32 {
-    count.div_ceil(interleave * interleave)
-}
-
-/// Workgroups of one sample set each that cover the picture; one shades 8 x 4 times `pixels` pixels of its set.
-pub(super) fn groups_of_sets(size: [u32; 2], interleave: u32, pixels: [u32; 2]) -> [u32; 2] {
-    [0, 1].map(|axis| size[axis].div_ceil([8, 4][axis] * pixels[axis] * interleave) * interleave)
-}
-
 /// Every pixel takes one of every `interleave^2` VPLs (Linke 2016, section 4.5), but for those that cannot shine on it.
-fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibility, config: &GatherConfig) -> Image {
+fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: Visibility, config: &GatherConfig) -> Indirect {
+    let (gbuffer, interleave) = (around.gbuffer, around.wants.interleave);
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
-    let n = config.interleave;
-    let groups = groups_of_sets(gbuffer.size, n, [2, 2]);
+    // A workgroup of 8 x 4 invocations, each of which takes 2 x 2 pixels of its set.
+    let groups = interleave.groups(gbuffer.size, [16, 8]);
     let clusters = match config.culling {
-        Culling::Clustered => Some(clusters(g, gbuffer, vpls, n)),
+        Culling::Clustered => Some(clusters(g, gbuffer, vpls, interleave)),
         Culling::None | Culling::Tiled | Culling::StochasticTiled | Culling::Splatting | Culling::ConservativeClusters => None,
     };
     let names = match config.culling {
@@ -149,7 +132,7 @@ fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibili
     };
     let mut pass = shadowed(g, names, visibility);
     if let Some(clusters) = clusters {
-        pass = pass.reads("rows", clusters.rows).reads("lists", clusters.lists).constant("PARTS", parts(n));
+        pass = pass.reads("rows", clusters.rows).reads("lists", clusters.lists).constant("PARTS", parts(interleave));
     }
     pass.reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
@@ -159,10 +142,10 @@ fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibili
         .reads("areas", vpls.areas)
         .writes("irradiance", irradiance)
         .constant("DISKS", config.emitters == Emitters::Disks)
-        .constant("INTERLEAVE", n)
+        .constant("INTERLEAVE", interleave.side())
         .params(&PerPixelParams { count: vpls.count, squared_min_distance: config.min_distance * config.min_distance })
         .dispatch_groups([groups[0], groups[1], 1]);
-    irradiance
+    Indirect { irradiance, reflection: None, pattern: interleave }
 }
 
 /// A pass that looks shadows up in imperfect shadow maps.
@@ -204,12 +187,12 @@ const TILE: u32 = 128;
 const SLICES: u32 = 16;
 
 /// Parts of a light list: whole sets of pixels' VPLs, and 16 at least, so that lists are made by several invocations.
-fn parts(interleave: u32) -> u32 {
-    (interleave * interleave).max(16)
+fn parts(interleave: Interleave) -> u32 {
+    interleave.sets().max(16)
 }
 
 /// Finds the clusters, and which VPLs shine into each (Linke 2016, section 4.6.1).
-fn clusters(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, interleave: u32) -> Clusters {
+fn clusters(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, interleave: Interleave) -> Clusters {
     let [across, down] = gbuffer.size.map(|n| n.div_ceil(TILE));
     let tiles = across * down;
     let parts = parts(interleave);

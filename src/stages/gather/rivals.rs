@@ -1,13 +1,15 @@
 //! What stochastic light culling by tiles was measured against (Tokuyoshi and Harada 2017, table 2): the same VPLs, ranges and sums, by
 //! rasterized bounds.
 
+use super::Indirect;
+use super::shells::{FrameShells, Shell};
 use super::stochastic::{Ranges, Roulette, StochasticParams, is_coated, ranges, statistics};
-use crate::config::{Dielectric, GatherConfig, Rasterization};
+use crate::config::{GatherConfig, Rasterization};
 use crate::gpu::Format;
-use crate::graph::{DrawList, Graph, Image};
-use crate::scene::shells::{Shell, Shells};
+use crate::graph::{DrawList, Graph};
 use crate::shader_struct;
-use crate::stages::gbuffer::GBuffer;
+use crate::stages::interleave::Interleave;
+use crate::stages::visibility::Surroundings;
 use crate::stages::vpls::Vpls;
 
 shader_struct! {
@@ -26,13 +28,13 @@ const TILE: u32 = 16;
 const SLICES: u32 = 32;
 
 /// Bytes of what [`conservative_clusters`] keeps of one kind of VPLs: two words for each and each tile of its sample set.
-pub fn shell_bytes(size: [u32; 2], interleave: u32, vpls: u32) -> u64 {
-    let [across, down] = size.map(|side| u64::from(side.div_ceil(interleave).div_ceil(TILE)));
+pub(super) fn shell_bytes(size: [u32; 2], interleave: Interleave, vpls: u32) -> u64 {
+    let [across, down] = interleave.pixels_of_set(size).map(|side| u64::from(side.div_ceil(TILE)));
     8 * across * down * u64::from(vpls)
 }
 
 /// Bounds of both kinds of VPLs, for a pass that tells them apart by its constant `GLOSSY`.
-fn bounds(g: &mut Graph, shells: &Shells, vpls: &Vpls, shell: Shell, far_sides: bool) -> Vec<DrawList> {
+fn bounds(g: &mut Graph, shells: FrameShells<'_>, vpls: &Vpls, shell: Shell, far_sides: bool) -> Vec<DrawList> {
     let mut lists = Vec::new();
     if vpls.diffuse {
         lists.push(shells.list(g, "gather/diffuse-bounds", shell, vpls.count, far_sides, vec![("GLOSSY", 0)]));
@@ -44,18 +46,11 @@ fn bounds(g: &mut Graph, shells: &Shells, vpls: &Vpls, shell: Shell, far_sides: 
 }
 
 /// Every VPL's bounds are drawn, and add its light to the pixels that they cover (Dachsbacher and Stamminger 2006): 80 triangles each.
-pub(super) fn splatting(
-    g: &mut Graph,
-    shells: &Shells,
-    gbuffer: &GBuffer,
-    vpls: &Vpls,
-    roulette: Roulette,
-    dielectric: Dielectric,
-    config: &GatherConfig,
-) -> Image {
+pub(super) fn splatting(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, roulette: Roulette, config: &GatherConfig) -> Indirect {
+    let (gbuffer, shells, interleave) = (around.gbuffer, around.residents.shells(), around.wants.interleave);
     let Ranges { spheres, spheroids, chances, lobes } = ranges(g, gbuffer, vpls, roulette, config);
-    let n = config.interleave;
-    let sorted = g.image("gather/sorted", Format::Rgba32Float, gbuffer.size.map(|side| side.div_ceil(n) * n));
+    let n = interleave.side();
+    let sorted = g.image("gather/sorted", Format::Rgba32Float, interleave.pixels_of_set(gbuffer.size).map(|side| side * n));
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
     let lists = bounds(g, shells, vpls, Shell::Eighty, true);
     g.raster("gather/splatting")
@@ -69,7 +64,7 @@ pub(super) fn splatting(
         .reads("spheroids", spheroids)
         .reads("chances", chances)
         .constant("INTERLEAVE", n)
-        .constant("COATED", is_coated(vpls, dielectric))
+        .constant("COATED", is_coated(vpls, around.wants.dielectric))
         .params(&StochasticParams::of(vpls, config))
         .color_sum("sum", sorted)
         .draw(lists);
@@ -79,29 +74,28 @@ pub(super) fn splatting(
         .constant("INTERLEAVE", n)
         .params(&ReorderParams { size: gbuffer.size.map(|side| side as i32) })
         .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
-    irradiance
+    Indirect { irradiance, reflection: None, pattern: interleave }
 }
 
 /// Light lists of clusters, which the VPLs' bounds are conservatively rasterized into (Oertegren and Persson 2016): 20 triangles each. Counts
 /// `gather/nodes` of the lists and `gather/lost`, those that found no room.
 pub(super) fn conservative_clusters(
     g: &mut Graph,
-    shells: &Shells,
-    gbuffer: &GBuffer,
+    around: Surroundings<'_>,
     vpls: &Vpls,
     roulette: Roulette,
-    dielectric: Dielectric,
     config: &GatherConfig,
-) -> Image {
+) -> Indirect {
+    let (gbuffer, shells, interleave) = (around.gbuffer, around.residents.shells(), around.wants.interleave);
     let Ranges { spheres, spheroids, chances, lobes } = ranges(g, gbuffer, vpls, roulette, config);
-    let n = config.interleave;
-    let tiles = gbuffer.size.map(|side| side.div_ceil(n).div_ceil(TILE));
+    let n = interleave.side();
+    let tiles = interleave.pixels_of_set(gbuffer.size).map(|side| side.div_ceil(TILE));
     let in_set = tiles[0] * tiles[1];
     let touched = g.image("gather/touched", Format::R32Float, tiles.map(|side| side * n));
     let shells_of = |there: bool| if there { vpls.count * in_set } else { 1 };
     let diffuse_shells = g.zeroed::<[u32; 2]>("gather/diffuse-shells", shells_of(vpls.diffuse));
     let glossy_shells = g.zeroed::<[u32; 2]>("gather/glossy-shells", shells_of(vpls.lobes.is_some()));
-    let by_extension = config.rasterization.resolved(shells.conservative) == Rasterization::Extension;
+    let by_extension = config.rasterization.resolved(shells.conservative()) == Rasterization::Extension;
     let lists = bounds(g, shells, vpls, if by_extension { Shell::Corners } else { Shell::Twenty }, false);
     let pass = match by_extension {
         true => {
@@ -118,7 +112,7 @@ pub(super) fn conservative_clusters(
         .constant("INTERLEAVE", n)
         .color("touched", touched, [0.0; 4])
         .draw(lists);
-    let heads = g.buffer::<[u32; 2]>("gather/heads", n * n * in_set * SLICES);
+    let heads = g.buffer::<[u32; 2]>("gather/heads", interleave.sets() * in_set * SLICES);
     let nodes = g.buffer::<[u32; 2]>("gather/list-nodes", config.nodes);
     let (used, lost) = (g.count("gather/nodes"), g.count("gather/lost"));
     g.compute("gather/shell-lists")
@@ -133,10 +127,10 @@ pub(super) fn conservative_clusters(
         .constant("DIFFUSE", vpls.diffuse)
         .constant("LOBES", vpls.lobes.is_some())
         .params(&ShellListsParams { count: vpls.count, capacity: config.nodes })
-        .dispatch_groups([tiles[0], tiles[1], n * n]);
+        .dispatch_groups([tiles[0], tiles[1], interleave.sets()]);
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
     let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.statistics { gbuffer.size } else { [1, 1] });
-    let groups = gbuffer.size.map(|side| side.div_ceil(8 * n) * n);
+    let groups = interleave.groups(gbuffer.size, [8, 8]);
     g.compute("gather/conservative-clusters")
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
@@ -151,11 +145,11 @@ pub(super) fn conservative_clusters(
         .writes("irradiance", irradiance)
         .constant("INTERLEAVE", n)
         .constant("STATISTICS", config.statistics)
-        .constant("COATED", is_coated(vpls, dielectric))
+        .constant("COATED", is_coated(vpls, around.wants.dielectric))
         .params(&StochasticParams::of(vpls, config))
         .dispatch_groups([groups[0], groups[1], 1]);
     if config.statistics {
         statistics(g, gbuffer, numbers);
     }
-    irradiance
+    Indirect { irradiance, reflection: None, pattern: interleave }
 }

@@ -6,6 +6,7 @@ use crate::gpu::Format;
 use crate::graph::{Buffer, Graph, Image};
 use crate::shader_struct;
 use crate::stages::gbuffer::GBuffer;
+use crate::stages::visibility::Surroundings;
 use crate::stages::vpls::{Lobe, Vpls};
 
 shader_struct! {
@@ -108,20 +109,19 @@ pub(super) fn is_coated(vpls: &Vpls, dielectric: Dielectric) -> bool {
 /// Culls by tiles and sums in one pass (section 5).
 pub(super) fn tiled(
     g: &mut Graph,
-    gbuffer: &GBuffer,
+    around: Surroundings<'_>,
     vpls: &Vpls,
     visibility: Visibility,
     roulette: Roulette,
-    dielectric: Dielectric,
     config: &GatherConfig,
 ) -> Indirect {
+    let (gbuffer, interleave, dielectric) = (around.gbuffer, around.wants.interleave, around.wants.dielectric);
     let ranges = ranges(g, gbuffer, vpls, roulette, config);
-    let n = config.interleave;
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
     let reflects = config.receiver == Receiver::Ggx;
     let reflection = g.image("gather/reflection", Format::Rgba16Float, if reflects { gbuffer.size } else { [1, 1] });
     let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.statistics { gbuffer.size } else { [1, 1] });
-    let groups = gbuffer.size.map(|side| side.div_ceil(TILE * n) * n);
+    let groups = interleave.groups(gbuffer.size, [TILE, TILE]);
     let names = [
         "gather/stochastic-tiled",
         "gather/stochastic-tiled-visible",
@@ -144,7 +144,7 @@ pub(super) fn tiled(
         .writes("numbers", numbers)
         .writes("reflection", reflection)
         .writes("irradiance", irradiance)
-        .constant("INTERLEAVE", n)
+        .constant("INTERLEAVE", interleave.side())
         .constant("DIFFUSE", vpls.diffuse)
         .constant("LOBES", vpls.lobes.is_some())
         .constant("CULL", config.bounds != Bounds::None)
@@ -157,7 +157,7 @@ pub(super) fn tiled(
     if config.statistics {
         statistics(g, gbuffer, numbers);
     }
-    Indirect { irradiance, reflection: reflects.then_some(reflection) }
+    Indirect { irradiance, reflection: reflects.then_some(reflection), pattern: interleave }
 }
 
 /// Pictures how many VPLs pixels have on their lists and how many of those do not shine on them (figures 9 and 10), and counts

@@ -52,19 +52,19 @@ const MOST_CLUSTERS: u32 = 6144;
 
 /// Draws `point_count * collected` points in all for the VPLs' maps, as many for each, from about `point_count` different ones.
 pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point_count: u32, collected: u32) -> Points {
-    let table = &around.scene.triangle_table;
+    let table = around.residents.triangles().table;
     let max_area = table.max_area(point_count, false);
     let most = table.points(max_area, false) as u32 + 1024;
     let each = most.div_ceil(MOST_CLUSTERS).max(64);
     let clusters = most.div_ceil(each);
-    let diagonal = around.scene.bounds.size().length();
+    let diagonal = around.scene.bounds().size().length();
     let (chunks, groups) = upload_chunks(g, around, max_area);
     let counts = g.buffer::<u32>("visibility/pool-counts", groups);
     let chunk_begins = g.buffer::<u32>("visibility/pool-begins", groups + 1);
     let pool = g.buffer::<Point>("visibility/pool", most);
     let areas = g.buffer::<f32>("visibility/pool-areas", most);
     let cluster_table = g.buffer::<Cluster>("visibility/pool-clusters", clusters);
-    let params = PointsParams { max_area, diagonal, partitions: 1, capacity: most, seed: around.seed };
+    let params = PointsParams { max_area, diagonal, partitions: 1, capacity: most, seed: around.wants.seed };
     goes_through(g.compute("visibility/pool-count"), around, chunks)
         .writes("counts", counts)
         .params(&params)
@@ -115,7 +115,7 @@ pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point
         .reads("begins", points.begins)
         .writes("points", points.points)
         .writes("fill", points.fill)
-        .params(&AdaptiveParams { diagonal, each, clusters, groups, seed: around.seed })
+        .params(&AdaptiveParams { diagonal, each, clusters, groups, seed: around.wants.seed })
         .dispatch_groups([vpls.count, 1, 1]);
     points
 }

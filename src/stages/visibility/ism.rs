@@ -78,7 +78,7 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, confi
         IsmRenderer::SinglePixel => single_pixel(g, around, vpls, config),
         IsmRenderer::Splat => splat(g, around, vpls, config),
     };
-    let far = around.scene.bounds.size().length();
+    let far = around.scene.bounds().size().length();
     Visibility::Ism(Ism {
         maps,
         size: config.map_size,
@@ -153,7 +153,7 @@ impl Drawing<'_> {
     fn dispatch(&self, pass: ComputePass<'_>) {
         let Self { around, vpls, points, columns, config } = self;
         let own = config.points == PointSet::Adaptive;
-        let diagonal = around.scene.bounds.size().length();
+        let diagonal = around.scene.bounds().size().length();
         pass.reads("points", points.points)
             .reads("begins", points.begins)
             .reads("fill", points.fill)
@@ -185,8 +185,8 @@ fn splat(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &Visibili
     let size = [columns * config.map_size, rows * config.map_size];
     let splats = g.image("visibility/splats", Format::Depth32, size);
     let maps = g.image("visibility/maps", Format::R32Float, size);
-    let max_area = around.scene.triangle_table.max_area(config.point_count, config.thin);
-    let diagonal = around.scene.bounds.size().length();
+    let max_area = around.residents.triangles().table.max_area(config.point_count, config.thin);
+    let diagonal = around.scene.bounds().size().length();
     let collected = collected(config, vpls.count);
     let block = g.upload(
         "visibility/splat",
@@ -199,12 +199,12 @@ fn splat(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &Visibili
             enlarge: config.enlarge.unwrap_or(SPLAT_ENLARGE),
         }],
     );
-    let patches = around.scene.patch_list(g, "visibility/patches", max_area);
-    let params = PointsParams { max_area, diagonal, partitions: vpls.count, capacity: 0, seed: around.seed };
+    let patches = around.residents.triangles().table.patch_list(g, around.scene, "visibility/patches", max_area);
+    let params = PointsParams { max_area, diagonal, partitions: vpls.count, capacity: 0, seed: around.wants.seed };
     // A geometry stage that may give many points is slow even where it gives one.
     let name = if collected > 1 { "visibility/splat-several" } else { "visibility/splat" };
     g.raster(name)
-        .reads("draws", around.handles.draws)
+        .reads("draws", around.scene.draws)
         .reads("vpls", vpls.points)
         .reads("splat", block)
         .constant("THIN", config.thin)

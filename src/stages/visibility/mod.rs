@@ -6,19 +6,27 @@ mod points;
 mod pull_push;
 mod ray_traced;
 mod shared;
+pub mod triangles;
 
 pub use ism::{Ism, partition_capacity};
 pub use ray_traced::BITS;
 pub use shared::MOST_TEXELS_A_MAP;
 
 use super::bounce::{Bounce, Clusters};
+use super::facts::Facts;
 use super::gbuffer::GBuffer;
+use super::methods::{Choice, NOTHING, Needs};
+use super::residents::FrameResidents;
 use super::rsm::Rsm;
 use super::vpls::Vpls;
-use crate::config::{Config, Lookup, VisibilityConfig, VisibilityMethod};
-use crate::graph::{Buffer, Graph, Image};
-use crate::scene::device::{DeviceScene, SceneHandles};
-use crate::scene::traced::TracedHandles;
+use super::wants::Wants;
+use crate::config::{Collect, Config, IsmRenderer, Lookup, PointSet, VisibilityConfig, VisibilityMethod};
+use crate::fail;
+use crate::gpu::Feature;
+use crate::graph::{Buffer, Graph, Image, counted};
+use crate::world::device::FrameScene;
+use crate::world::traced::TracedHandles;
+use anyhow::Result;
 
 /// What the gather tests a VPL's visibility with.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,35 +46,122 @@ pub enum Visibility {
 /// What a method may look at.
 #[derive(Clone, Copy)]
 pub struct Surroundings<'f> {
-    pub scene: &'f DeviceScene,
-    pub handles: SceneHandles,
-    /// There where the method traces rays.
+    pub scene: FrameScene<'f>,
+    pub residents: FrameResidents<'f>,
+    /// What rays meet; `None` where no method traces any.
     pub traced: Option<&'f TracedHandles>,
     pub gbuffer: &'f GBuffer,
     pub rsm: &'f Rsm,
-    /// Each pixel takes one of every `interleave^2` VPLs.
-    pub interleave: u32,
-    pub seed: u32,
+    pub wants: &'f Wants,
+}
+
+impl Choice for VisibilityMethod {
+    const KEY: &'static str = "visibility.method";
+
+    fn needs(self) -> Needs {
+        match self {
+            Self::None | Self::RayTraced | Self::ImperfectShadowMaps | Self::Clusters => NOTHING,
+        }
+    }
+}
+
+impl Choice for PointSet {
+    const KEY: &'static str = "visibility.points";
+
+    fn needs(self) -> Needs {
+        match self {
+            Self::Uniform | Self::Adaptive => NOTHING,
+        }
+    }
+}
+
+impl Choice for Collect {
+    const KEY: &'static str = "visibility.collect";
+
+    fn needs(self) -> Needs {
+        match self {
+            Self::Compute => NOTHING,
+            Self::Tessellation => &[&[Feature::TessellationShader, Feature::GeometryShader, Feature::VertexPipelineStores]],
+        }
+    }
+}
+
+impl Choice for IsmRenderer {
+    const KEY: &'static str = "visibility.renderer";
+
+    fn needs(self) -> Needs {
+        match self {
+            Self::SinglePixel => NOTHING,
+            Self::Splat => &[&[Feature::TessellationShader, Feature::GeometryShader, Feature::LargePoints]],
+        }
+    }
+}
+
+/// Whether a config's frames make imperfect shadow maps, and so points of the scene's triangles.
+pub fn needs_triangles(config: &Config) -> bool {
+    config.visibility_methods().any(|method| method == VisibilityMethod::ImperfectShadowMaps)
+}
+
+/// Whether a config's VPLs have their shadows by rays.
+pub fn needs_rays(config: &Config) -> bool {
+    config.visibility_methods().any(|method| method == VisibilityMethod::RayTraced)
+}
+
+/// Refuses what the methods cannot do on every driver, or on this device.
+pub fn check(config: &Config, facts: &Facts) -> Result<()> {
+    if let Some(shared) = config.shared_maps() {
+        let each = facts.texels / u64::from(shared.max(facts.maps).max(1));
+        if each > MOST_TEXELS_A_MAP {
+            return Err(fail!(
+                BadInput,
+                "visibility.shared_maps: {shared} leave {each} texels to each, over the {MOST_TEXELS_A_MAP} that every driver takes; raise it"
+            ));
+        }
+    }
+    let most = u64::from(facts.adapter.limits.image_layers) * u64::from(BITS);
+    for list in &facts.lists {
+        if list.visibility == VisibilityMethod::RayTraced && list.each > most {
+            return Err(fail!(
+                BadInput,
+                "gather.interleave: {} leaves {} VPLs to each pixel, over the {most} that \"ray-traced\" visibility keeps on {}; raise it or lower {}",
+                config.gather.interleave,
+                list.each,
+                facts.adapter.name,
+                list.key
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// What a user should know of a frame's maps by what their passes counted.
+pub fn warnings_of_frame(counts: &[(String, u64)]) -> Vec<String> {
+    let warning = |count| {
+        format!(
+            "visibility.capacity: {count} points came to partitions that do not hold as many and were left out; raise it, or leave it to the program"
+        )
+    };
+    counted(counts, "visibility/dropped-points").filter(|count| *count > 0).map(warning).collect()
 }
 
 /// The VPLs of each bounce, with what they see: fills the slot with the config's method for the first ones, and with
 /// `bounce.visibility` for the others.
-pub fn render(g: &mut Graph, around: Surroundings<'_>, bounces: &[Bounce], config: &Config) -> Vec<(Vpls, Visibility)> {
-    let of_bounce = |((bounce, method), time): ((&Bounce, VisibilityMethod), u32)| {
-        let visibility = g.again(time, |g| match (config.shared_maps(), time) {
-            (Some(maps), 1) => shared::render(g, around, &bounce.vpls, maps, &config.visibility),
-            _ => of_vpls(g, around, bounce, method, &config.visibility),
+pub fn render(g: &mut Graph, around: Surroundings<'_>, bounces: &[Bounce], config: &VisibilityConfig) -> Vec<(Vpls, Visibility)> {
+    let of_bounce = |(bounce, number): (&Bounce, u32)| {
+        let visibility = g.again(number, |g| match (around.wants.shared_maps, number) {
+            (Some(maps), 1) => shared::render(g, around, &bounce.vpls, maps, config),
+            _ => of_vpls(g, around, bounce, around.wants.visibility_of(number), config),
         });
         (bounce.vpls, visibility)
     };
-    bounces.iter().zip(config.visibility_methods()).zip(1..).map(of_bounce).collect()
+    bounces.iter().zip(1..).map(of_bounce).collect()
 }
 
 fn of_vpls(g: &mut Graph, around: Surroundings<'_>, bounce: &Bounce, method: VisibilityMethod, config: &VisibilityConfig) -> Visibility {
     let vpls = &bounce.vpls;
     match (method, around.traced, bounce.clusters) {
         (VisibilityMethod::None, ..) => Visibility::None,
-        (VisibilityMethod::RayTraced, Some(traced), _) => ray_traced::render(g, traced, around.gbuffer, vpls, around.interleave),
+        (VisibilityMethod::RayTraced, Some(traced), _) => ray_traced::render(g, traced, around.gbuffer, vpls, around.wants.interleave),
         (VisibilityMethod::RayTraced, None, _) => unreachable!("the scene was brought without what rays need"),
         (VisibilityMethod::ImperfectShadowMaps, ..) => ism::render(g, around, vpls, config),
         (VisibilityMethod::Clusters, _, Some(clusters)) => Visibility::Clusters { clusters, bias: config.bias, lookup: config.lookup },

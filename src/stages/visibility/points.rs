@@ -1,10 +1,10 @@
 //! Points from the scene's triangles, in a partition a VPL (Linke 2016, section 4.4.1). `glsl/visibility/point.glsl` has the rule.
 
 use super::ism::partition_capacity;
+use super::triangles::ChunkData;
 use super::{Surroundings, VisibilityConfig};
 use crate::config::Collect;
 use crate::graph::{Buffer, ComputePass, Graph};
-use crate::scene::triangles::ChunkData;
 use crate::shader_struct;
 
 shader_struct! {
@@ -40,7 +40,7 @@ pub struct Points {
 
 /// Makes the points by the config's way.
 pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, config: &VisibilityConfig) -> Points {
-    let table = &around.scene.triangle_table;
+    let table = around.residents.triangles().table;
     let max_area = table.max_area(config.point_count, config.thin);
     let capacity = partition_capacity(config, table.points(max_area, config.thin), partitions);
     let points = Points {
@@ -49,8 +49,8 @@ pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, 
         fill: g.zeroed::<u32>("visibility/fill", partitions),
         partitions,
     };
-    let diagonal = around.scene.bounds.size().length();
-    let params = PointsParams { max_area, diagonal, partitions, capacity, seed: around.seed };
+    let diagonal = around.scene.bounds().size().length();
+    let params = PointsParams { max_area, diagonal, partitions, capacity, seed: around.wants.seed };
     match config.collect {
         Collect::Compute => computed(g, around, points, &params, config.thin),
         Collect::Tessellation => tessellated(g, around, points, &params, config.thin),
@@ -71,9 +71,9 @@ fn computed(g: &mut Graph, around: Surroundings<'_>, points: Points, params: &Po
 
 /// The thesis's way: the tessellator cuts, and the geometry stage makes the points.
 fn tessellated(g: &mut Graph, around: Surroundings<'_>, points: Points, params: &PointsParams, thin: bool) {
-    let patches = around.scene.patch_list(g, "visibility/patches", params.max_area);
+    let patches = around.residents.triangles().table.patch_list(g, around.scene, "visibility/patches", params.max_area);
     g.raster("visibility/points-tessellated")
-        .reads("draws", around.handles.draws)
+        .reads("draws", around.scene.draws)
         .writes("points", points.points)
         .updates("fill", points.fill)
         .constant("THIN", thin)
@@ -83,14 +83,14 @@ fn tessellated(g: &mut Graph, around: Surroundings<'_>, points: Points, params: 
 
 /// The triangles in chunks, a workgroup each.
 pub(super) fn upload_chunks(g: &mut Graph, around: Surroundings<'_>, max_area: f32) -> (Buffer, u32) {
-    let chunks = around.scene.triangle_table.chunks(max_area);
+    let chunks = around.residents.triangles().table.chunks(max_area);
     (g.upload::<ChunkData>("visibility/chunks", &chunks), chunks.len() as u32)
 }
 
 /// Reads what `glsl/visibility/triangles.glsl` binds.
 pub(super) fn goes_through<'g>(pass: ComputePass<'g>, around: Surroundings<'_>, chunks: Buffer) -> ComputePass<'g> {
     pass.reads("chunks", chunks)
-        .reads("draws", around.handles.draws)
-        .reads("positions", around.handles.triangles.positions)
-        .reads("indices", around.handles.triangles.indices)
+        .reads("draws", around.scene.draws)
+        .reads("positions", around.residents.triangles().positions)
+        .reads("indices", around.scene.indices)
 }

@@ -1,13 +1,13 @@
 //! Exact visibility: a bit for each pixel and VPL.
 
-use super::super::gather::{groups_of_sets, vpls_a_pixel};
-use super::super::gbuffer::GBuffer;
-use super::super::vpls::Vpls;
 use super::Visibility;
 use crate::gpu::Format;
 use crate::graph::Graph;
-use crate::scene::traced::TracedHandles;
 use crate::shader_struct;
+use crate::stages::gbuffer::GBuffer;
+use crate::stages::interleave::Interleave;
+use crate::stages::vpls::Vpls;
+use crate::world::traced::TracedHandles;
 
 shader_struct! {
     struct RayTracedParams {
@@ -19,10 +19,10 @@ shader_struct! {
 pub const BITS: u32 = 32;
 
 /// A ray from every pixel to every VPL that it takes: exact, and as slow as that.
-pub(super) fn render(g: &mut Graph, traced: &TracedHandles, gbuffer: &GBuffer, vpls: &Vpls, interleave: u32) -> Visibility {
-    let layers = vpls_a_pixel(vpls.count, interleave).div_ceil(BITS);
+pub(super) fn render(g: &mut Graph, traced: &TracedHandles, gbuffer: &GBuffer, vpls: &Vpls, interleave: Interleave) -> Visibility {
+    let layers = interleave.per_pixel(vpls.count).div_ceil(BITS);
     let visible = g.layered_image("visibility/visible", Format::R32Uint, gbuffer.size, layers);
-    let groups = groups_of_sets(gbuffer.size, interleave, [1, 1]);
+    let groups = interleave.groups(gbuffer.size, [8, 4]);
     g.compute("visibility/ray-traced")
         .traces(traced)
         .reads("view", gbuffer.view)
@@ -31,7 +31,7 @@ pub(super) fn render(g: &mut Graph, traced: &TracedHandles, gbuffer: &GBuffer, v
         .reads("points", vpls.points)
         .reads("areas", vpls.areas)
         .writes("visible", visible)
-        .constant("INTERLEAVE", interleave)
+        .constant("INTERLEAVE", interleave.side())
         .params(&RayTracedParams { count: vpls.count })
         .dispatch_groups([groups[0], groups[1], layers]);
     Visibility::Bits(visible)

@@ -4,6 +4,7 @@
 use super::{Surroundings, Visibility, VisibilityConfig, ism};
 use crate::graph::Graph;
 use crate::shader_struct;
+use crate::stages::facts::planned_turns;
 use crate::stages::vpls::{VplPoint, Vpls};
 
 shader_struct! {
@@ -15,8 +16,8 @@ shader_struct! {
     }
 }
 
-/// llvmpipe ends an invocation's loops after 65,535 turns in all; `glsl/visibility/proxies.comp` takes about nine for a texel.
-pub const MOST_TEXELS_A_MAP: u64 = 4096;
+/// Texels whose VPLs share a map: `glsl/visibility/proxies.comp` takes about nine turns for each.
+pub const MOST_TEXELS_A_MAP: u64 = planned_turns(36_864) / 9;
 
 /// Blocks of a map's texels, as square as may be, of which all layers have at most `maps`.
 fn blocks(size: [u32; 2], layers: u32, maps: u32) -> [u32; 2] {

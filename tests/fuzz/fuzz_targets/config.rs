@@ -7,7 +7,8 @@
 use libfuzzer_sys::fuzz_target;
 use manylight::config;
 use manylight::error::{Exit, exit_code};
-use manylight::scene::{Light, Scene, view};
+use manylight::scene::{Light, Scene};
+use manylight::world::view;
 use std::path::Path;
 
 fuzz_target!(|text: &str| {

@@ -6,11 +6,11 @@
 
 use super::bvh::Bvh;
 use super::device_bvh::{BvhHandles, DeviceBvh, WordImage};
-use super::{Map, Material, Scene, Texture, Wrap};
 use crate::color::{luminance, srgb_to_linear};
 use crate::fail;
 use crate::gpu::{Format, Gpu, ImageId};
 use crate::graph::{Buffer, ComputePass, Graph, Image};
+use crate::scene::{Map, Material, Scene, Texture, Wrap};
 use crate::shader_struct;
 use crate::trace;
 use anyhow::Result;
@@ -190,8 +190,10 @@ pub(super) fn texel_map(map: Option<Map>, scene: &Scene, first: &[u32]) -> [u32;
         Wrap::MirroredRepeat => 1,
         Wrap::ClampToEdge => 2,
     };
-    let how =
-        wrap(map.wrap_u) | wrap(map.wrap_v) << 2 | u32::from(map.filter == super::Filter::Nearest) << 4 | u32::from(texture.srgb) << 5;
+    let how = wrap(map.wrap_u)
+        | wrap(map.wrap_v) << 2
+        | u32::from(map.filter == crate::scene::Filter::Nearest) << 4
+        | u32::from(texture.srgb) << 5;
     [first[map.texture as usize], texture.width | texture.height << 16, how]
 }
 
@@ -299,7 +301,7 @@ fn emitter_densities(scene: &Scene) -> Vec<f32> {
     if weights.iter().all(|weight| *weight == 0.0) {
         return vec![0.0; weights.len()];
     }
-    let area = |draw: &super::Draw| {
+    let area = |draw: &crate::scene::Draw| {
         let corners: Vec<DVec3> =
             scene.draw_vertices(draw).map(|v| draw.transform.transform_point3(v.position.into()).as_dvec3()).collect();
         corners.chunks_exact(3).map(|c| (c[1] - c[0]).cross(c[2] - c[0]).length() * 0.5).sum::<f64>()

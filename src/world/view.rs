@@ -1,8 +1,8 @@
 //! What a frame is seen and lit by: the config's camera and lights at the frame's time, or the scene's own.
 
-use super::{Aabb, Camera, Light, Scene, SpotFalloff};
 use crate::config::{CameraConfig, Config, Interpolation, LightConfig, LightKeyframe};
 use crate::fail;
+use crate::scene::{Aabb, Camera, Light, Scene, SpotFalloff};
 use anyhow::Result;
 use glam::{DVec3, Vec3};
 use std::ops::{Add, Mul, Sub};
@@ -202,12 +202,12 @@ mod tests {
 
     /// A camera of its own, a light of its own, and one triangle from (-1, 0, -2) to (3, 4, 2).
     fn scene() -> Scene {
-        let vertex = |position| super::super::Vertex { position, normal: 0, uv: [0.0; 2], color: 0, tangent: 0 };
+        let vertex = |position| crate::scene::Vertex { position, normal: 0, uv: [0.0; 2], color: 0, tangent: 0 };
         Scene {
             name: "triangle".to_owned(),
             vertices: vec![vertex([-1.0, 0.0, -2.0]), vertex([3.0, 4.0, 0.0]), vertex([0.0, 1.0, 2.0])],
             indices: vec![0, 1, 2],
-            draws: vec![super::super::Draw {
+            draws: vec![crate::scene::Draw {
                 first_index: 0,
                 index_count: 3,
                 vertex_offset: 0,

@@ -4,7 +4,7 @@
 //! driver loads a texel at once and a storage buffer word by word, and limits the latter to 128 MiB besides.
 
 use super::traced::{first_texels, texel_map};
-use super::{Map, Material, Scene, Vertex, pack};
+use crate::scene::{Map, Material, Scene, Vertex, pack};
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 use obvhs::aabb::Aabb as BuildAabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};

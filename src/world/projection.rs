@@ -1,6 +1,6 @@
 //! Cameras and lights as the shaders know them: `glsl/lib/view.glsl` and `glsl/lib/light.glsl`.
 
-use super::{Aabb, Camera, Light, SpotFalloff};
+use crate::scene::{Aabb, Camera, Light, SpotFalloff};
 use crate::shader_struct;
 use glam::{DVec2, DVec3, Mat4, Vec2, Vec3, Vec4};
 

@@ -1,11 +1,11 @@
-//! A scene's triangles as the points of imperfect shadow maps are made from them: positions by themselves, the triangles in chunks
-//! that a workgroup takes, and how large they are.
+//! Triangles of a scene as the points of imperfect shadow maps are made from them: positions by themselves, chunks that a workgroup
+//! takes, and areas. They are made once, of the scene at rest.
 
-use super::Scene;
-use super::device::DrawArguments;
 use crate::gpu::{BufferId, Gpu};
-use crate::graph::{Buffer, Graph};
+use crate::graph::{Buffer, DrawList, Graph};
+use crate::scene::Scene;
 use crate::shader_struct;
+use crate::world::device::{DrawArguments, FrameScene};
 use anyhow::Result;
 use rayon::prelude::*;
 
@@ -29,9 +29,8 @@ const POINTS_A_GROUP: f64 = 2048.0;
 
 /// See the module's page. The device owns the buffers.
 pub struct Triangles {
-    pub positions: BufferId,
-    pub vertex_count: u32,
-    pub index_count: u32,
+    positions: BufferId,
+    vertex_count: u32,
     chunks: Vec<Chunk>,
     areas: Areas,
 }
@@ -44,11 +43,12 @@ struct Chunk {
     largest: f32,
 }
 
-/// The triangles' buffers in one frame's graph.
-#[derive(Debug, Clone, Copy)]
-pub struct TriangleHandles {
+/// The triangles in one frame's graph.
+#[derive(Clone, Copy)]
+pub struct FrameTriangles<'f> {
+    pub table: &'f Triangles,
+    /// Of the scene's vertices, each in its draw's own space, metres.
     pub positions: Buffer,
-    pub indices: Buffer,
 }
 
 impl Triangles {
@@ -79,18 +79,34 @@ impl Triangles {
         Ok(Self {
             positions: gpu.create_filled_buffer("scene/positions", bytemuck::cast_slice(&positions))?,
             vertex_count: positions.len() as u32,
-            index_count: scene.indices.len() as u32,
             chunks,
             areas,
         })
     }
 
-    /// The buffers as this frame's resources.
-    pub fn import(&self, g: &mut Graph, indices: BufferId) -> TriangleHandles {
-        TriangleHandles {
-            positions: g.import_buffer::<[f32; 3]>("scene/positions", self.positions, self.vertex_count),
-            indices: g.import_buffer::<u32>("scene/indices", indices, self.index_count),
+    /// The triangles as this frame's resources.
+    pub fn import(&self, g: &mut Graph) -> FrameTriangles<'_> {
+        FrameTriangles { table: self, positions: g.import_buffer::<[f32; 3]>("scene/positions", self.positions, self.vertex_count) }
+    }
+
+    /// All triangles as patches to tessellate, whatever any view sees, without their materials.
+    pub fn patch_list(&self, g: &mut Graph, scene: FrameScene<'_>, name: &str, max_area: f32) -> Vec<DrawList> {
+        let patches = self.patches(max_area);
+        if patches.is_empty() {
+            return Vec::new();
         }
+        let arguments = g.upload(name, &patches);
+        vec![DrawList {
+            textures: Vec::new(),
+            blocks: Vec::new(),
+            constants: Vec::new(),
+            cull_back: false,
+            vertices: scene.vertices,
+            indices: scene.indices,
+            arguments,
+            first: 0,
+            count: patches.len() as u32,
+        }]
     }
 
     /// A workgroup an element: chunks of which `max_area` makes many points go to several.

@@ -1,9 +1,9 @@
 //! Bounding geometry of the unit sphere: an icosahedron around it, and one whose faces are cut in four.
 
-use super::device::DrawArguments;
-use super::{Vertex, pack};
 use crate::gpu::{BufferId, Feature, Gpu};
 use crate::graph::{Buffer, DrawList, Graph};
+use crate::scene::{Vertex, pack};
+use crate::world::device::DrawArguments;
 use anyhow::Result;
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -20,10 +20,10 @@ pub enum Shell {
     Eighty,
 }
 
-/// The shells' buffers on the device.
+/// The shells' buffers on the device; they are made once.
 pub struct Shells {
-    vertices: BufferId,
-    indices: BufferId,
+    vertices: (BufferId, u32),
+    indices: (BufferId, u32),
     /// First index, number of indices and first vertex of each.
     ranges: [[u32; 3]; 3],
     corners: Vec<[f32; 3]>,
@@ -52,17 +52,41 @@ impl Shells {
             }));
         }
         Ok(Self {
-            vertices: gpu.create_filled_buffer("shells/vertices", bytemuck::cast_slice(&vertices))?,
-            indices: gpu.create_filled_buffer("shells/indices", bytemuck::cast_slice(&indices))?,
+            vertices: (gpu.create_filled_buffer("shells/vertices", bytemuck::cast_slice(&vertices))?, vertices.len() as u32),
+            indices: (gpu.create_filled_buffer("shells/indices", bytemuck::cast_slice(&indices))?, indices.len() as u32),
             ranges,
             corners: corners.into_iter().map(Into::into).collect(),
             conservative: gpu.adapter.missing(CONSERVATIVE).is_empty(),
         })
     }
 
-    /// Of [`Shell::Corners`]: three of each triangle, one after the other.
+    /// The shells as this frame's resources.
+    pub fn import(&self, g: &mut Graph) -> FrameShells<'_> {
+        FrameShells {
+            shells: self,
+            vertices: g.import_buffer::<Vertex>("shells/vertices", self.vertices.0, self.vertices.1),
+            indices: g.import_buffer::<u32>("shells/indices", self.indices.0, self.indices.1),
+        }
+    }
+}
+
+/// The shells in one frame's graph.
+#[derive(Clone, Copy)]
+pub struct FrameShells<'f> {
+    shells: &'f Shells,
+    vertices: Buffer,
+    indices: Buffer,
+}
+
+impl FrameShells<'_> {
+    /// Whether the device can rasterize them conservatively by itself.
+    pub fn conservative(&self) -> bool {
+        self.shells.conservative
+    }
+
+    /// Corners of [`Shell::Corners`]: three of each triangle, one after the other.
     pub fn corners(&self, g: &mut Graph, name: &str) -> Buffer {
-        g.upload(name, &self.corners)
+        g.upload(name, &self.shells.corners)
     }
 
     /// So many instances of one, with these constants; the far sides alone where `far_sides`.
@@ -75,7 +99,7 @@ impl Shells {
         far_sides: bool,
         constants: Vec<(&'static str, u32)>,
     ) -> DrawList {
-        let [first_index, index_count, first_vertex] = self.ranges[shell as usize];
+        let [first_index, index_count, first_vertex] = self.shells.ranges[shell as usize];
         let arguments =
             DrawArguments { index_count, instance_count: instances, first_index, vertex_offset: first_vertex as i32, first_instance: 0 };
         DrawList {

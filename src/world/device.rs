@@ -4,12 +4,10 @@
 //! one indirect draw, with its numbers and its maps bound once and the shader specialised to what it has. That is what makes
 //! them uniform to the shader: on a software driver, a fifth of a map's time.
 
-use super::shells::Shells;
-use super::triangles::{TriangleHandles, Triangles};
-use super::{Aabb, Draw, Filter, Map, Material, Scene, Wrap};
 use crate::fail;
 use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, Wrapping};
-use crate::graph::{Buffer, DrawList, Graph, ListBlock};
+use crate::graph::{Buffer, DrawList, Graph, ListBlock, Member, ShaderStruct};
+use crate::scene::{Aabb, Draw, Filter, Map, Material, Scene, Vertex, Wrap};
 use crate::shader_struct;
 use anyhow::Result;
 use glam::Affine3A;
@@ -63,6 +61,21 @@ shader_struct! {
 }
 
 const _: () = assert!(size_of::<MaterialData>() == 256);
+
+/// As a pass sees it that makes vertices; the host's own is plain data.
+impl ShaderStruct for Vertex {
+    const NAME: &'static str = "Vertex";
+    const MEMBERS: &'static [Member] = {
+        use std::mem::offset_of;
+        &[
+            Member { name: "position", offset: offset_of!(Vertex, position), bytes: 12 },
+            Member { name: "normal", offset: offset_of!(Vertex, normal), bytes: 4 },
+            Member { name: "uv", offset: offset_of!(Vertex, uv), bytes: 8 },
+            Member { name: "color", offset: offset_of!(Vertex, color), bytes: 4 },
+            Member { name: "tangent", offset: offset_of!(Vertex, tangent), bytes: 4 },
+        ]
+    };
+}
 
 /// Names of a material's maps in the shaders, and of the constants that switch them on.
 const MAPS: [(&str, &str); 4] = [
@@ -128,17 +141,14 @@ pub struct DeviceScene {
     pub triangles: u64,
     /// Whether some material is, or by a map may be, metallic.
     pub has_metals: bool,
-    vertices: BufferId,
-    indices: BufferId,
+    vertices: (BufferId, u32),
+    indices: (BufferId, u32),
     draws: Draws,
     materials: BufferId,
     arrays: Vec<ImageId>,
     /// One white texel, for maps that a bucket does not have.
     blank: ImageId,
     buckets: Vec<Bucket>,
-    pub triangle_table: Triangles,
-    /// Bounding geometry, for lights.
-    pub shells: Shells,
 }
 
 /// All of a scene, in parts that a pass may leave out before they are drawn.
@@ -151,11 +161,16 @@ pub struct Parts {
     pub count: u32,
 }
 
-/// A scene's buffers in one frame's graph.
-#[derive(Debug, Clone, Copy)]
-pub struct SceneHandles {
+/// A scene in one frame's graph: what its passes draw and read.
+#[derive(Clone, Copy)]
+pub struct FrameScene<'f> {
+    scene: &'f DeviceScene,
+    /// [`DrawData`].
     pub draws: Buffer,
-    pub triangles: TriangleHandles,
+    /// [`Vertex`].
+    pub vertices: Buffer,
+    /// Three a triangle.
+    pub indices: Buffer,
 }
 
 impl DeviceScene {
@@ -193,15 +208,13 @@ impl DeviceScene {
             bounds: if scene.animation.is_some() { scene.bounds() } else { bounds },
             triangles: scene.triangle_count(),
             has_metals: scene.materials.iter().any(|material| material.metallic > 0.0),
-            vertices: gpu.create_filled_buffer("scene/vertices", bytemuck::cast_slice(&scene.vertices))?,
-            indices: gpu.create_filled_buffer("scene/indices", bytemuck::cast_slice(&scene.indices))?,
+            vertices: (gpu.create_filled_buffer("scene/vertices", bytemuck::cast_slice(&scene.vertices))?, scene.vertices.len() as u32),
+            indices: (gpu.create_filled_buffer("scene/indices", bytemuck::cast_slice(&scene.indices))?, scene.indices.len() as u32),
             draws,
             materials: gpu.create_filled_buffer("scene/materials", bytemuck::cast_slice(&materials))?,
             arrays,
             blank: gpu.create_texture_array("scene/blank", Format::Rgba8Unorm, [1, 1], &[&[255; 4]])?,
             buckets,
-            triangle_table: Triangles::upload(gpu, scene)?,
-            shells: Shells::upload(gpu)?,
         })
     }
 
@@ -216,13 +229,30 @@ impl DeviceScene {
         }
     }
 
-    /// The scene's buffers as this frame's resources.
-    pub fn import(&self, g: &mut Graph) -> SceneHandles {
+    /// The scene as this frame's resources.
+    pub fn import(&self, g: &mut Graph) -> FrameScene<'_> {
         let draws = match &self.draws {
             Draws::Still(id, count) => g.import_buffer::<DrawData>("scene/draws", *id, *count),
             Draws::Moving(draws) => g.upload("scene/draws", draws),
         };
-        SceneHandles { draws, triangles: self.triangle_table.import(g, self.indices) }
+        FrameScene {
+            scene: self,
+            draws,
+            vertices: g.import_buffer::<Vertex>("scene/vertices", self.vertices.0, self.vertices.1),
+            indices: g.import_buffer::<u32>("scene/indices", self.indices.0, self.indices.1),
+        }
+    }
+}
+
+impl FrameScene<'_> {
+    /// Of all of the scene's animation: [`Scene::bounds`].
+    pub fn bounds(&self) -> Aabb {
+        self.scene.bounds
+    }
+
+    /// Whether some material is, or by a map may be, metallic.
+    pub fn has_metals(&self) -> bool {
+        self.scene.has_metals
     }
 
     /// What a raster pass draws, `instances` times: the parts of which `distance` knows one, nearer ones before farther ones as
@@ -237,7 +267,7 @@ impl DeviceScene {
         distance: impl Fn(Aabb) -> Option<f32>,
     ) -> Vec<DrawList> {
         let mut drawn = Vec::new();
-        for bucket in &self.buckets {
+        for bucket in &self.scene.buckets {
             let part = |draw: &PlacedDraw| Some((distance(draw.bounds)?, DrawArguments { instance_count: instances, ..draw.arguments }));
             let mut parts: Vec<(f32, DrawArguments)> = bucket.draws.iter().filter_map(part).collect();
             if parts.is_empty() && g.is_warming_up() {
@@ -268,7 +298,7 @@ impl DeviceScene {
 
     /// Everything in parts, whose instances a pass on the device is to count.
     pub fn parts(&self, g: &mut Graph, name: &str, maps: Maps) -> Parts {
-        let placed = self.buckets.iter().flat_map(|bucket| &bucket.draws);
+        let placed = self.scene.buckets.iter().flat_map(|bucket| &bucket.draws);
         let data: Vec<PartData> = placed
             .clone()
             .map(|draw| PartData { box_min: draw.bounds.min.into(), draw: draw.arguments.first_instance, box_max: draw.bounds.max.into() })
@@ -283,32 +313,12 @@ impl DeviceScene {
         let parts = g.upload(&format!("{name}/parts"), &data);
         let arguments = g.upload(&format!("{name}/arguments"), &arguments);
         let mut first = 0;
-        let lists = self.buckets.iter().map(|bucket| {
+        let lists = self.scene.buckets.iter().map(|bucket| {
             let count = bucket.draws.len() as u32;
             first += count;
             self.draw_list(&bucket.key, arguments, first - count, count, maps)
         });
         Parts { lists: lists.collect(), parts, arguments, count }
-    }
-
-    /// All triangles as patches to tessellate, whatever any view sees, without their materials.
-    pub fn patch_list(&self, g: &mut Graph, name: &str, max_area: f32) -> Vec<DrawList> {
-        let patches = self.triangle_table.patches(max_area);
-        if patches.is_empty() {
-            return Vec::new();
-        }
-        let arguments = g.upload(name, &patches);
-        vec![DrawList {
-            textures: Vec::new(),
-            blocks: Vec::new(),
-            constants: Vec::new(),
-            cull_back: false,
-            vertices: self.vertices,
-            indices: self.indices,
-            arguments,
-            first: 0,
-            count: patches.len() as u32,
-        }]
     }
 
     fn draw_list(&self, key: &BucketKey, arguments: Buffer, first: u32, count: u32, maps: Maps) -> DrawList {
@@ -320,14 +330,14 @@ impl DeviceScene {
             textures.push(match map {
                 Some(key) => {
                     let sampler = Sampler::Material { u: wrapping(key.u), v: wrapping(key.v), linear: key.filter == Filter::Linear };
-                    (binding, self.arrays[key.array], sampler)
+                    (binding, self.scene.arrays[key.array], sampler)
                 }
-                None => (binding, self.blank, Sampler::Nearest),
+                None => (binding, self.scene.blank, Sampler::Nearest),
             });
         }
         DrawList {
             textures,
-            blocks: vec![ListBlock::of::<MaterialData>("material_block", self.materials, key.material)],
+            blocks: vec![ListBlock::of::<MaterialData>("material_block", self.scene.materials, key.material)],
             constants,
             // The light's view keeps back faces: they stop light, whatever they show to the camera.
             cull_back: !key.double_sided && maps == Maps::All,

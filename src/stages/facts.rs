@@ -1,0 +1,53 @@
+//! What stages hold their limits against.
+
+use super::interleave::Interleave;
+use crate::config::{Config, VisibilityMethod};
+use crate::gpu::Adapter;
+
+/// Turns that all loops of a shader's invocation may make: llvmpipe ends them after so many, without a word.
+pub const LOOP_TURNS: u64 = 65_535;
+
+/// Turns that a shader plans with; the rest is room for loops that its limit does not count.
+pub const fn planned_turns(turns: u64) -> u64 {
+    assert!(turns < LOOP_TURNS);
+    turns
+}
+
+/// Numbers of a config on a device.
+#[derive(Debug)]
+pub struct Facts<'f> {
+    pub adapter: &'f Adapter,
+    /// Layers of the RSM: shadow maps of all lights.
+    pub maps: u32,
+    /// Texels of all of these.
+    pub texels: u64,
+    /// VPLs of the first bounce.
+    pub vpls: u32,
+    pub interleave: Interleave,
+    /// VPLs of the first bounce and, where there are more, of each further one.
+    pub lists: Vec<VplList>,
+}
+
+/// VPLs of a bounce.
+#[derive(Debug, Clone, Copy)]
+pub struct VplList {
+    /// The key that says how many there are.
+    pub key: &'static str,
+    pub count: u32,
+    /// VPLs that each pixel sums.
+    pub each: u64,
+    pub visibility: VisibilityMethod,
+}
+
+impl<'f> Facts<'f> {
+    /// The numbers of a config whose lights have so many shadow maps.
+    pub fn of(config: &Config, adapter: &'f Adapter, maps: u32) -> Self {
+        let interleave = Interleave::square(config.gather.interleave);
+        let vpls = config.vpl_count(maps);
+        let counts = [("vpls.count", vpls), ("bounce.vpls", config.bounce.vpls)];
+        let lists = counts.into_iter().zip(config.visibility_of_bounces()).take(if config.bounce.count > 1 { 2 } else { 1 });
+        let list = |((key, count), visibility)| VplList { key, count, each: u64::from(interleave.per_pixel(count)), visibility };
+        let [width, height] = config.rsm.size.map(u64::from);
+        Self { adapter, maps, texels: u64::from(maps) * width * height, vpls, interleave, lists: lists.map(list).collect() }
+    }
+}

@@ -1,0 +1,134 @@
+//! What the gather's methods need of a device, what they refuse, and what they say of a frame.
+
+use super::rivals::shell_bytes;
+use super::shells::CONSERVATIVE;
+use crate::config::{Config, Culling, GatherMethod, Rasterization, Reflection};
+use crate::fail;
+use crate::gpu::{Adapter, Feature};
+use crate::graph::counted;
+use crate::stages::facts::{Facts, planned_turns};
+use crate::stages::methods::{Choice, Method, NOTHING, Needs};
+use anyhow::Result;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// VPLs that a pixel can sum: `glsl/gather/per-pixel.glsl` takes at most two turns for four of them.
+const MOST_VPLS_A_PIXEL: u64 = planned_turns(50_000) * 4 / 2;
+
+/// Turns of an invocation of stochastic culling: for each VPL of its pixel one a list, and less than one beside.
+pub const MOST_TURNS: u64 = planned_turns(60_000);
+
+impl Choice for GatherMethod {
+    const KEY: &'static str = "gather.method";
+
+    fn needs(self) -> Needs {
+        match self {
+            Self::PerPixel => &[&[Feature::SubgroupBallot]],
+        }
+    }
+}
+
+impl Choice for Culling {
+    const KEY: &'static str = "gather.culling";
+
+    fn needs(self) -> Needs {
+        use Feature::{BlendedRgba32Float, ClipDistance, FragmentStores, MultiDrawIndirect};
+        match self {
+            Self::None | Self::Tiled | Self::Clustered | Self::StochasticTiled => NOTHING,
+            Self::Splatting => &[&[MultiDrawIndirect, ClipDistance, BlendedRgba32Float]],
+            Self::ConservativeClusters => &[&[MultiDrawIndirect, FragmentStores]],
+        }
+    }
+}
+
+impl Choice for Rasterization {
+    const KEY: &'static str = "gather.rasterization";
+
+    fn needs(self) -> Needs {
+        match self {
+            Self::Automatic => &[&[Feature::GeometryShader], CONSERVATIVE],
+            Self::GeometryShader => &[&[Feature::GeometryShader]],
+            Self::Extension => &[CONSERVATIVE],
+        }
+    }
+}
+
+/// The methods that a config's gather uses.
+pub fn methods(config: &Config) -> Vec<Method> {
+    let mut methods = vec![Method::of(config.gather.method), Method::of(config.gather.culling)];
+    if config.gather.culling == Culling::ConservativeClusters {
+        methods.push(Method::of(config.gather.rasterization));
+    }
+    methods
+}
+
+/// Whether a config's gather draws bounds of ranges.
+pub fn needs_shells(config: &Config) -> bool {
+    matches!(config.gather.culling, Culling::Splatting | Culling::ConservativeClusters)
+}
+
+/// Refuses what the methods cannot do on every driver, or on this device.
+pub fn check(config: &Config, facts: &Facts) -> Result<()> {
+    let gather = &config.gather;
+    let [width, height] = config.frame.size;
+    let lists = if config.vpls.reflection == Reflection::Both { 2 } else { 1 };
+    for list in &facts.lists {
+        let (each, key) = (list.each, list.key);
+        if gather.culling.is_stochastic() && each > MOST_TURNS / (lists + 1) {
+            return Err(fail!(
+                BadInput,
+                "gather.interleave: {} leaves {each} VPLs to each pixel, over the {} that every driver culls by chance; raise it or lower {key}",
+                gather.interleave,
+                MOST_TURNS / (lists + 1)
+            ));
+        }
+        let pairs = u64::from(width) * u64::from(height) * each;
+        if gather.statistics && pairs > u64::from(u32::MAX) {
+            return Err(fail!(
+                BadInput,
+                "gather.statistics: pictures of {width}x{height} may have {pairs} pairs of pixels and VPLs, over the {} that are counted; raise gather.interleave or take a smaller picture",
+                u32::MAX
+            ));
+        }
+        let limit = facts.adapter.limits.storage_buffer_bytes;
+        let bytes = shell_bytes(config.frame.size, facts.interleave, list.count);
+        if gather.culling == Culling::ConservativeClusters && bytes > limit {
+            return Err(fail!(
+                BadInput,
+                "gather.culling: \"conservative-clusters\" needs {} MB for {} VPLs in pictures of {width}x{height}, over the {} MB that {} allows a buffer; raise gather.interleave",
+                bytes >> 20,
+                list.count,
+                limit >> 20,
+                facts.adapter.name
+            ));
+        }
+        if each > MOST_VPLS_A_PIXEL {
+            return Err(fail!(
+                BadInput,
+                "gather.interleave: {} leaves {each} VPLs to each pixel, over the {MOST_VPLS_A_PIXEL} that every driver sums; raise it or lower {key}",
+                gather.interleave
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// What the config leaves to the program, by key, and what that chooses on a device.
+pub fn choices(config: &Config, adapter: &Adapter) -> BTreeMap<&'static str, Value> {
+    let mut choices = BTreeMap::new();
+    if config.gather.culling == Culling::ConservativeClusters && config.gather.rasterization == Rasterization::Automatic {
+        let resolved = config.gather.rasterization.resolved(adapter.missing(CONSERVATIVE).is_empty());
+        choices.insert(Rasterization::KEY, json!(resolved));
+    }
+    choices
+}
+
+/// What a user should know of a frame's light lists by what their passes counted.
+pub fn warnings_of_frame(counts: &[(String, u64)]) -> Vec<String> {
+    let warning = |count| {
+        format!(
+            "gather.culling: {count} nodes found no room in the clusters' light lists, and their light is missing; raise gather.delta or gather.interleave"
+        )
+    };
+    counted(counts, "gather/lost").filter(|count| *count > 0).map(warning).collect()
+}

@@ -1,0 +1,52 @@
+//! Interleaved sampling (Keller and Heidrich 2001): the pixels of a block share out the VPLs.
+
+/// A block of pixels, each of which takes another sample set of the VPLs: as many sets as pixels, across and down.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Interleave([u32; 2]);
+
+impl Interleave {
+    /// A block of so many pixels on each side.
+    pub fn square(side: u32) -> Self {
+        Self([side; 2])
+    }
+
+    /// Pixels on the block's side, as shaders have it in `INTERLEAVE`.
+    pub fn side(self) -> u32 {
+        self.0[0]
+    }
+
+    /// Sample sets, which are the block's pixels.
+    pub fn sets(self) -> u32 {
+        self.0[0] * self.0[1]
+    }
+
+    /// VPLs that a pixel takes of so many, at most.
+    pub fn per_pixel(self, vpls: u32) -> u32 {
+        vpls.div_ceil(self.sets())
+    }
+
+    /// Pixels of one sample set in a picture, across and down, at most.
+    pub fn pixels_of_set(self, size: [u32; 2]) -> [u32; 2] {
+        [0, 1].map(|axis| size[axis].div_ceil(self.0[axis]))
+    }
+
+    /// Workgroups that cover a picture, of one sample set each; one takes so many pixels of its set, across and down.
+    pub fn groups(self, size: [u32; 2], pixels: [u32; 2]) -> [u32; 2] {
+        [0, 1].map(|axis| size[axis].div_ceil(pixels[axis] * self.0[axis]) * self.0[axis])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_share_out_all_vpls_and_groups_cover_all_pixels() {
+        let four = Interleave::square(4);
+        assert_eq!((four.sets(), four.per_pixel(1024), four.per_pixel(1025)), (16, 64, 65));
+        assert_eq!(four.pixels_of_set([10, 8]), [3, 2]);
+        // 8 x 4 pixels of a set reach over 32 x 16 of the picture.
+        assert_eq!(four.groups([64, 16], [8, 4]), [8, 4]);
+        assert_eq!(four.groups([65, 17], [8, 4]), [12, 8]);
+    }
+}

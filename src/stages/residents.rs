@@ -1,0 +1,65 @@
+//! What stages make once and keep over frames.
+
+use super::gather::shells::{FrameShells, Shells};
+use super::visibility::triangles::{FrameTriangles, Triangles};
+use super::{gather, visibility};
+use crate::config::Config;
+use crate::gpu::Gpu;
+use crate::graph::Graph;
+use crate::scene::Scene;
+use anyhow::Result;
+
+/// One field a thing that some stage keeps; `None` until a config needs it. The device owns the buffers.
+#[derive(Default)]
+pub struct Residents {
+    shells: Option<Shells>,
+    triangles: Option<Triangles>,
+}
+
+impl Residents {
+    /// Makes what a config's stages need and is not there. `at_rest` is the host's scene where its animation has it at second 0.
+    ///
+    /// # Errors
+    /// The device's own, where memory runs out.
+    pub fn bring(&mut self, gpu: &mut Gpu, at_rest: &Scene, config: &Config) -> Result<()> {
+        if self.shells.is_none() && gather::needs_shells(config) {
+            self.shells = Some(Shells::upload(gpu)?);
+        }
+        if self.triangles.is_none() && visibility::needs_triangles(config) {
+            self.triangles = Some(Triangles::upload(gpu, at_rest)?);
+        }
+        Ok(())
+    }
+
+    /// Whether [`Self::bring`] has nothing left to make for a config.
+    pub fn are_there(&self, config: &Config) -> bool {
+        (self.shells.is_some() || !gather::needs_shells(config)) && (self.triangles.is_some() || !visibility::needs_triangles(config))
+    }
+
+    /// The residents as this frame's resources.
+    pub fn import(&self, g: &mut Graph) -> FrameResidents<'_> {
+        FrameResidents {
+            shells: self.shells.as_ref().map(|shells| shells.import(g)),
+            triangles: self.triangles.as_ref().map(|triangles| triangles.import(g)),
+        }
+    }
+}
+
+/// The residents in one frame's graph.
+#[derive(Clone, Copy)]
+pub struct FrameResidents<'f> {
+    shells: Option<FrameShells<'f>>,
+    triangles: Option<FrameTriangles<'f>>,
+}
+
+impl<'f> FrameResidents<'f> {
+    /// Bounding geometry of ranges.
+    pub fn shells(&self) -> FrameShells<'f> {
+        self.shells.unwrap_or_else(|| unreachable!("gather::needs_shells says who draws shells"))
+    }
+
+    /// Triangles that points are made from.
+    pub fn triangles(&self) -> FrameTriangles<'f> {
+        self.triangles.unwrap_or_else(|| unreachable!("visibility::needs_triangles says who makes points"))
+    }
+}

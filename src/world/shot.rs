@@ -1,0 +1,96 @@
+//! What a frame shows, apart from how it is rendered.
+
+use super::projection::{Projector, View};
+use super::{World, view};
+use crate::config::Config;
+use crate::fail;
+use crate::gpu::Adapter;
+use crate::scene::{Aabb, Light};
+use anyhow::Result;
+use glam::Vec3;
+
+/// What a frame shows: seen from where, lit by what, and when.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shot {
+    /// The frame's number in its sequence; random numbers that change with the frame ask for it.
+    pub index: u32,
+    /// Time of the scene's animation and of all keyframes, seconds.
+    pub seconds: f64,
+    pub view: View,
+    pub lighting: Lighting,
+}
+
+/// What a frame is lit by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lighting {
+    /// The layers of the reflective shadow map; at least one.
+    pub projectors: Vec<Projector>,
+    /// Radiance where the camera sees no surface.
+    pub environment: Vec3,
+}
+
+impl Shot {
+    /// Frame `index` of a config's sequence: its camera and lights, or the scene's own, at second `index / frame.fps`.
+    ///
+    /// # Errors
+    /// `BadInput` for a camera that the scene lacks or that looks nowhere, and for lights as [`Lighting::of`].
+    pub fn of(config: &Config, world: &World, adapter: &Adapter, index: u32) -> Result<Self> {
+        Ok(Self {
+            index,
+            seconds: view::seconds(config, index),
+            view: world.view(config, index)?,
+            lighting: Lighting::of(config, world, adapter, index)?,
+        })
+    }
+}
+
+impl Lighting {
+    /// The lights of a config's frame, or of the scene, each with a layer of the RSM; a point light has six.
+    ///
+    /// # Errors
+    /// `BadInput` where no light has a layer, or more layers are needed than the device has.
+    pub fn of(config: &Config, world: &World, adapter: &Adapter, index: u32) -> Result<Self> {
+        let lights = world.lights(config, index);
+        let bounds = world.device.bounds;
+        let target = config.rsm.bounds.map_or(bounds, |b| Aabb { min: b.min.into(), max: b.max.into() });
+        let projectors = Projector::of_lights(&lights, config.rsm.size, target, bounds);
+        let limits = &adapter.limits;
+        let most = limits.image_layers.min(limits.framebuffer_layers).min(Projector::MAX as u32);
+        if projectors.is_empty() {
+            return Err(fail!(
+                BadInput,
+                "light: {} has no directional, spot or point light; add a [[light]] table to the config",
+                world.scene.name
+            ));
+        }
+        if projectors.len() > most as usize {
+            return Err(fail!(
+                BadInput,
+                "light: {} shadow maps (a point light takes six) are over the {most} that fit on {}; take fewer [[light]] tables",
+                projectors.len(),
+                adapter.name
+            ));
+        }
+        let environment = lights.iter().filter_map(|light| match light {
+            Light::Environment { radiance } => Some(*radiance),
+            _ => None,
+        });
+        Ok(Self { projectors, environment: environment.sum() })
+    }
+}
+
+impl World {
+    /// The lights of a config's frame: its own if it has any, else the scene's.
+    pub fn lights(&self, config: &Config, index: u32) -> Vec<Light> {
+        view::lights(config, &self.scene, index)
+    }
+
+    /// How a config's frame is seen.
+    ///
+    /// # Errors
+    /// As [`view::camera`].
+    pub fn view(&self, config: &Config, index: u32) -> Result<View> {
+        let camera = view::camera(config, &self.scene, self.device.bounds, index)?;
+        Ok(View::new(&camera, config.frame.size, self.device.bounds))
+    }
+}

@@ -1,0 +1,87 @@
+//! Sequences of frames: what goes on from frame to frame, and what ends it.
+
+use crate::common::*;
+use glam::{DVec3, Vec3};
+use manylight::config::{Config, LightConfig, VisibilityMethod, VplSampler};
+use manylight::graph::Execution;
+use manylight::renderer::{Lane, Rendered, Renderer};
+
+/// Clusters of VPLs in a box, which k-means settles over frames.
+fn clustered() -> (Renderer, Config) {
+    let renderer = renderer(room(&walls(DVec3::new(4.0, 3.0, 5.0), [DVec3::splat(0.5); 6])));
+    let light = LightConfig::Point { position: [2.0, 1.5, 2.0], intensity: [1.0; 3], keyframes: Vec::new() };
+    let mut config = plain([32, 32], Vec3::new(1.0, 1.0, 4.0), Vec3::ZERO, 60.0, light);
+    config.scene.split = Some(0.5);
+    config.rsm.size = [32, 32];
+    config.vpls.sampler = VplSampler::Hammersley;
+    config.vpls.count = 256;
+    config.visibility.method = VisibilityMethod::Clusters;
+    (renderer, config)
+}
+
+fn shoot(renderer: &mut Renderer, lane: &mut Lane, config: &Config, index: u32) -> Rendered {
+    let shot = renderer.shot(config, index).unwrap_or_else(|error| panic!("{error:#}"));
+    renderer.shoot(lane, shot, config, true, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+fn rounds(rendered: &Rendered) -> u64 {
+    rendered.counts.iter().find(|(name, _)| name == "bounce/rounds").unwrap_or_else(|| panic!("{:?}", rendered.counts)).1
+}
+
+#[test]
+fn an_edited_camera_or_exposure_keeps_history_and_a_cut_drops_it() {
+    let (mut renderer, mut config) = clustered();
+    renderer.prepare(&config, &[]).unwrap();
+    let mut lane = Lane::new();
+    let first = rounds(&shoot(&mut renderer, &mut lane, &config, 0));
+    assert!(first > 1, "the first frame's clusters are to be found");
+    // The same lights: k-means finds its centres where it left them.
+    if let Some(camera) = &mut config.camera {
+        camera.position = Some([1.5, 1.2, 4.0]);
+    }
+    assert_eq!(rounds(&shoot(&mut renderer, &mut lane, &config, 1)), 1);
+    config.compose.exposure = 2.0;
+    assert_eq!(rounds(&shoot(&mut renderer, &mut lane, &config, 2)), 1);
+    assert_eq!(lane.before().map(|before| before.index), Some(2));
+    lane.cut();
+    assert_eq!(rounds(&shoot(&mut renderer, &mut lane, &config, 3)), first);
+    finish(renderer.gpu());
+}
+
+#[test]
+fn two_presets_in_turn_reallocate_nothing_and_forget_nothing() {
+    let (mut renderer, clusters) = clustered();
+    let mut tiled = clusters.clone();
+    tiled.visibility.method = VisibilityMethod::None;
+    tiled.frame.size = [48, 16];
+    for config in [&clusters, &tiled] {
+        renderer.prepare(config, &[]).unwrap();
+    }
+    let (mut a, mut b) = (Lane::new(), Lane::new());
+    let alone = [shoot(&mut renderer, &mut a, &clusters, 0), shoot(&mut renderer, &mut b, &tiled, 0)];
+    let bytes = renderer.gpu().memory_in_use();
+    for index in 1..4 {
+        let in_turn = [shoot(&mut renderer, &mut a, &clusters, index), shoot(&mut renderer, &mut b, &tiled, index)];
+        assert_eq!(rounds(&in_turn[0]), 1, "frame {index}");
+        assert_eq!(renderer.gpu().memory_in_use(), bytes, "frame {index}");
+        for (now, first) in in_turn.iter().zip(&alone) {
+            assert_eq!(now.picture.as_ref().unwrap().image, first.picture.as_ref().unwrap().image, "frame {index}");
+        }
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn a_batch_of_frames_starts_anew_with_another_config() {
+    let (mut renderer, mut config) = clustered();
+    let mut frame = |config: &Config, index| {
+        rounds(&renderer.render(config, index, false, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}")))
+    };
+    let first = frame(&config, 0);
+    assert_eq!(frame(&config, 1), 1);
+    config.compose.exposure = 2.0;
+    assert_eq!(frame(&config, 2), first, "what was rendered before under another config changes nothing");
+    assert_eq!(frame(&config, 3), 1);
+    assert_eq!(frame(&config, 3), first, "the same frame again does not follow itself");
+    finish(renderer.gpu());
+}
