@@ -10,6 +10,7 @@ use crate::scene::device::DeviceScene;
 use crate::scene::projection::{Projector, View};
 use crate::scene::traced::TracedScene;
 use crate::scene::{Aabb, Light, Scene, view};
+use crate::stages::bounce::has_clusters;
 use crate::stages::{self, METHODS, bounce, gather, visibility};
 use crate::trace;
 use anyhow::{Result, bail};
@@ -19,11 +20,6 @@ use std::collections::BTreeMap;
 /// Whether frames of a config trace rays, which a renderer must be made for ([`Renderer::traced`]).
 pub fn needs_rays(config: &Config) -> bool {
     config.visibility_methods().any(|method| method == VisibilityMethod::RayTraced) || config.direct.shadows == Shadows::RayTraced
-}
-
-/// Whether a config's frames put VPLs into clusters.
-pub fn clustered(config: &Config) -> bool {
-    config.bounce.count > 1 || config.visibility.method == VisibilityMethod::Clusters
 }
 
 /// A scene on a device, and everything that stays from frame to frame.
@@ -103,6 +99,11 @@ impl Renderer {
 
     pub fn gpu(&self) -> &Gpu {
         &self.engine.gpu
+    }
+
+    /// The key of all shaders: [`Library::key_of_all`].
+    pub fn shaders(&self) -> String {
+        self.engine.shaders_key().to_hex().to_string()
     }
 
     pub fn engine(&mut self) -> &mut Engine {
@@ -206,7 +207,7 @@ impl Renderer {
                 "vpls.count: {count} is out of range, expected {maps} to {texels}: at least one for each shadow map, at most one a texel"
             ));
         }
-        if clustered(config) {
+        if has_clusters(config) {
             let counts = [("vpls.count", count as u32), ("bounce.vpls", config.bounce.vpls)];
             for (key, count) in &counts[..if config.bounce.count > 2 { 2 } else { 1 }] {
                 if bounce::most_rounds(*count, config.bounce.clusters) == 0 {
@@ -325,11 +326,11 @@ impl Renderer {
         let bent = "scene.split: is not set, and the maps of clusters bend the edges of large triangles; 0.02 is a good value";
         let slow =
             "bounce.rounds: so many VPLs and clusters have fewer rounds of k-means a frame; clusters may be unsettled for some frames";
-        let few = clustered(config) && bounce::most_rounds(config.vpl_count(1), config.bounce.clusters) < config.bounce.rounds;
+        let few = has_clusters(config) && bounce::most_rounds(config.vpl_count(1), config.bounce.clusters) < config.bounce.rounds;
         let warnings = [
             environment.then_some(warning),
             lights.iter().any(wide).then_some(cut),
-            (clustered(config) && config.scene.split.is_none()).then_some(bent),
+            (has_clusters(config) && config.scene.split.is_none()).then_some(bent),
             few.then_some(slow),
         ];
         warnings.into_iter().flatten().map(str::to_owned).collect()
@@ -436,7 +437,7 @@ fn check_methods(adapter: &Adapter, config: &Config) -> Result<()> {
     let maps = config.visibility_methods().any(|method| method == VisibilityMethod::ImperfectShadowMaps);
     let idle = |key: &str| {
         (!maps && stages::OF_MAPS.contains(&key))
-            || (!clustered(config) && stages::OF_CLUSTERS.contains(&key))
+            || (!has_clusters(config) && stages::OF_CLUSTERS.contains(&key))
             || (config.gather.culling != Culling::ConservativeClusters && stages::OF_SHELLS.contains(&key))
     };
     let chosen = |key: &str, name: &str| match values.pointer(&format!("/{}", key.replace('.', "/"))) {

@@ -1,16 +1,18 @@
 //! `manylight reproduce TABLE`: runs the cells of a table, and prints them beside the figures of the paper.
 
+use super::measure::{Frames, Pictures, check_validation, write_picture};
 use super::progress::Progress;
+use super::setup::{self, On};
 use super::truth::Truth;
-use super::{measure, open};
 use crate::cli::{ReproduceArgs, Shard};
 use crate::config::{Config, SceneConfig};
 use crate::fail;
-use crate::graph::Execution;
-use crate::output::{prepare_folder, write_file};
+use crate::files::{prepare_folder, write_file};
+use crate::graph::{Execution, Library};
 use crate::presets;
 use crate::reference::scene_digest;
 use crate::renderer::{Renderer, needs_rays};
+use crate::stages;
 use crate::tables::cells::{self, WALKS, reference_folder, run_folder};
 use crate::tables::{Names, Plan, Run, Table, print, read, sheet};
 use crate::walk::flicker_of_walk;
@@ -23,7 +25,7 @@ pub fn run(args: &ReproduceArgs) -> Result<()> {
     let tables = args.tables.iter().map(|name| named(name)).collect::<Result<Vec<_>>>()?.concat();
     let mut planned: Vec<(Table, Plan, PathBuf)> = Vec::new();
     for (text, path) in tables {
-        let table = read::table(&text, &path, args.scenes.as_deref())?;
+        let table = read::table(&text, &path, args.scenes.as_deref(), &stages::names())?;
         let plan = Plan::of(&table, &args.sweep())?;
         let folder = args.output().join(&table.name);
         if let Some((other, ..)) = planned.iter().find(|(other, ..)| other.name == table.name) {
@@ -32,7 +34,8 @@ pub fn run(args: &ReproduceArgs) -> Result<()> {
         planned.push((table, plan, folder));
     }
     let progress = Progress::new(args.quiet);
-    let mut session = Session { args, progress: &progress, open: None };
+    let shaders = Library::new()?.key_of_all().to_hex().to_string();
+    let mut session = Session { args, progress: &progress, shaders, open: None };
     // Each table's runs have numbers of their own in the list of all, so that shards are about as long as each other.
     let mut number = 0;
     for (table, plan, folder) in &planned {
@@ -53,7 +56,7 @@ pub fn run(args: &ReproduceArgs) -> Result<()> {
     }
     progress.end();
     if let Some(open) = session.open {
-        measure::check_validation(&open.renderer, args.validate)?;
+        check_validation(&open.renderer)?;
     }
     Ok(())
 }
@@ -90,6 +93,8 @@ struct Open {
 struct Session<'a> {
     args: &'a ReproduceArgs,
     progress: &'a Progress,
+    /// The key of the shaders that runs are made with.
+    shaders: String,
     open: Option<Open>,
 }
 
@@ -99,7 +104,7 @@ impl Session<'_> {
         for run in &plan.runs {
             let mine = self.args.shard.is_none_or(|shard: Shard| shard.has(*number));
             *number += 1;
-            if mine && !(self.args.resume && cells::is_current(folder, run) && self.has_truth(table, run, folder)) {
+            if mine && !(self.args.resume && cells::is_current(folder, run, &self.shaders) && self.has_truth(table, run, folder)) {
                 todo.push(run);
             }
         }
@@ -136,7 +141,7 @@ impl Session<'_> {
 
     fn one(&mut self, table: &Table, run: &Run, folder: &Path) -> Result<()> {
         let config = &run.config;
-        let (args, progress) = (self.args, self.progress);
+        let progress = self.progress;
         let open = self.opened(config, run.needs_reference)?;
         open.renderer.check(config)?;
         if run.needs_reference {
@@ -146,7 +151,11 @@ impl Session<'_> {
         }
         let own = run_folder(folder, run);
         cells::begin(folder, run)?;
-        let measured = measure::frames(&mut open.renderer, config, progress)?;
+        open.renderer.prepare(config, &[])?;
+        let shown: Vec<(u32, u32)> = (0..config.frame.count).map(|frame| (frame, frame)).collect();
+        let frames = Frames { warmup: config.frame.warmup, measured: &shown, pictures: Pictures::Last, dump: &[], check_nan: false };
+        let execution = setup::execution(config, &open.renderer);
+        let measured = frames.run(&mut open.renderer, config, &execution, None, &mut |_, _| Ok(()))?;
         if !run.walks.is_empty() {
             let mut walks = BTreeMap::new();
             for (name, layer) in &run.walks {
@@ -159,8 +168,14 @@ impl Session<'_> {
             prepare_folder(&own)?;
             write_file(&own.join(WALKS), &serde_json::to_vec_pretty(&walks)?)?;
         }
-        measure::check_validation(&open.renderer, args.validate)?;
-        measured.write(&own, Path::new(&table.name), config, &open.renderer)
+        check_validation(&open.renderer)?;
+        prepare_folder(&own)?;
+        let from = setup::provenance(Path::new(&table.name), config, &open.renderer);
+        write_picture(&own.join("image.exr"), &own.join("image.png"), measured.picture(), config, &from)?;
+        measured.write_times(&own.join("timings.csv"), &from)?;
+        let warnings = [open.renderer.warnings(config), measured.last.warnings()].concat();
+        // Written last: where it is, all is.
+        measured.record(&open.renderer, config, &from, None, warnings)?.write(&own.join("run.json"))
     }
 
     /// The device with the scene of a config; another one is given back first.
@@ -169,11 +184,10 @@ impl Session<'_> {
         let fits = |open: &Open| open.scene == config.scene && (open.rays || !rays);
         if !self.open.as_ref().is_some_and(fits) {
             self.open = None;
-            let (gpu, scene, warnings) = open(config, self.args.device.as_ref(), self.args.validate)?;
-            warnings.iter().for_each(|warning| self.progress.warn(warning));
-            let digest = scene_digest(&scene);
-            let renderer = if rays { Renderer::traced(gpu, scene)? } else { Renderer::new(gpu, scene)? };
-            self.open = Some(Open { scene: config.scene.clone(), rays, renderer, digest });
+            let opened = setup::open(config, On { device: self.args.device.as_ref(), validate: self.args.validate })?;
+            opened.warnings.iter().for_each(|warning| self.progress.warn(warning));
+            let digest = scene_digest(&opened.scene);
+            self.open = Some(Open { scene: config.scene.clone(), rays, renderer: opened.bring(rays)?, digest });
         }
         match &mut self.open {
             Some(open) => Ok(open),

@@ -12,8 +12,10 @@ pub mod ssao;
 pub mod visibility;
 pub mod vpls;
 
+use crate::config::Config;
 use crate::gpu::{Adapter, Feature};
 use crate::scene::shells::CONSERVATIVE;
+use std::collections::BTreeMap;
 
 /// A way to fill a slot, by its name in the config, and what a device must have for it.
 pub struct Method {
@@ -99,3 +101,20 @@ pub const OF_SHELLS: &[&str] = &["gather.rasterization"];
 
 /// Slots that are in use only where VPLs have imperfect shadow maps.
 pub const OF_MAPS: &[&str] = &["visibility.points", "visibility.collect", "visibility.renderer"];
+
+/// The stages by name, in the frame's order: what stands before the slash in the name of a pass.
+pub fn names() -> Vec<&'static str> {
+    let mut names: Vec<&str> = METHODS.iter().map(|method| method.slot.split('.').next().unwrap_or(method.slot)).collect();
+    names.dedup();
+    names
+}
+
+/// What follows from what a frame's passes counted, by name: means a pixel, and shares.
+pub fn means(counts: &BTreeMap<String, u64>) -> BTreeMap<String, f64> {
+    gather::means(counts)
+}
+
+/// What a user should know who renders a config's sequence in parts.
+pub fn warnings_of_parts(config: &Config) -> Vec<String> {
+    bounce::warning_of_parts(config).into_iter().collect()
+}

@@ -1,9 +1,11 @@
 //! Irradiance at every pixel from the VPLs.
 
 mod rivals;
+mod statistics;
 mod stochastic;
 
 pub use rivals::shell_bytes;
+pub use statistics::means;
 pub use stochastic::Roulette;
 
 use super::gbuffer::GBuffer;
