@@ -17,6 +17,7 @@ mod ism;
 #[path = "../gltf/make.rs"]
 #[allow(dead_code)] // The loader's tests use the rest.
 mod make;
+mod memory;
 mod points;
 mod reference;
 mod repeat;
