@@ -3,7 +3,7 @@
 //! A cache only saves time: what is missing, damaged or unreadable is made anew, and a folder that cannot be written is worth
 //! one warning, never an error.
 
-use crate::output::file::{not_written, replace};
+use crate::files::{not_written, replace};
 use blake3::{Hash, Hasher};
 use etcetera::BaseStrategy;
 use std::fs;

@@ -9,7 +9,7 @@ mod reproduce;
 mod sequence;
 
 pub use bench::BenchArgs;
-pub use compare::{CompareArgs, LayerChoice};
+pub use compare::CompareArgs;
 pub use flicker::FlickerArgs;
 pub use reference::ReferenceArgs;
 pub use report::ReportArgs;

@@ -8,6 +8,7 @@ pub mod commands;
 pub mod config;
 pub mod error;
 pub mod export;
+pub mod files;
 pub mod frame;
 pub mod gpu;
 pub mod graph;

@@ -99,6 +99,11 @@ impl Renderer {
         &self.engine.gpu
     }
 
+    /// The key of all shaders: [`Library::key_of_all`].
+    pub fn shaders(&self) -> String {
+        self.engine.shaders_key().to_hex().to_string()
+    }
+
     pub fn engine(&mut self) -> &mut Engine {
         &mut self.engine
     }

@@ -7,9 +7,8 @@
 //! The device's passes are placed at the moment when the host handed them to the driver. Their times to each other are the device's
 //! own; the little that it took to begin is not known and not shown.
 
-use crate::output::write_file;
-use crate::report::Provenance;
-use anyhow::{Context, Result};
+use crate::files::write_file;
+use anyhow::Result;
 use serde_json::{Value, json};
 use std::fmt::Display;
 use std::path::Path;
@@ -76,15 +75,15 @@ pub fn pass(name: &str, submitted: Instant, begin: f64, ms: f64) {
     }
 }
 
-/// Turns the recorder off and writes what it has; nothing where it was off.
+/// Turns the recorder off and writes what it has; nothing where it was off. `known` is what the file says of the run, by name; the
+/// device's row is called by its `device`.
 ///
 /// # Errors
 /// `OutputNotWritten` with the path and the reason.
-pub fn finish(path: &Path, from: &Provenance) -> Result<()> {
+pub fn finish(path: &Path, known: &[(&str, String)]) -> Result<()> {
     ON.store(false, Ordering::Relaxed);
     let Some(recorder) = with_recorder(Option::take) else { return Ok(()) };
-    let bytes = serde_json::to_vec(&recorder.json(from)?).context("the trace cannot be put together")?;
-    write_file(path, &bytes)
+    write_file(path, recorder.json(known).to_string().as_bytes())
 }
 
 fn with_recorder<R>(work: impl FnOnce(&mut Option<Recorder>) -> R) -> R {
@@ -123,11 +122,12 @@ impl Recorder {
     }
 
     /// The trace: names of processes and threads, then the events by thread and time, those around others first.
-    fn json(mut self, from: &Provenance) -> Result<Value> {
+    fn json(mut self, known: &[(&str, String)]) -> Value {
         let name = |what: &str, process: u64, thread: u64, name: &str| json!({ "ph": "M", "name": what, "pid": process, "tid": thread, "args": { "name": name } });
         let mut events = vec![name("process_name", CPU, 0, "CPU"), name("process_name", GPU, 0, "GPU")];
         events.extend(self.threads.iter().map(|(thread, known)| name("thread_name", CPU, *thread, known)));
-        events.push(name("thread_name", GPU, 1, &format!("{} [{}]", from.device.name, from.device.kind)));
+        let device = known.iter().find(|(name, _)| *name == "device").map_or("device", |(_, device)| device);
+        events.push(name("thread_name", GPU, 1, device));
         self.events.sort_by(|a, b| {
             let place = |event: &Event| (event.process, event.thread);
             place(a).cmp(&place(b)).then(a.begin.total_cmp(&b.begin)).then(b.end.total_cmp(&a.end))
@@ -139,16 +139,19 @@ impl Recorder {
                 "ts": event.begin, "dur": event.end - event.begin,
             })
         }));
-        let from = serde_json::to_value(from).context("the trace cannot be put together")?;
-        Ok(json!({ "traceEvents": events, "displayTimeUnit": "ms", "otherData": from }))
+        let known: serde_json::Map<String, Value> = known.iter().map(|(name, what)| ((*name).to_owned(), what.as_str().into())).collect();
+        json!({ "traceEvents": events, "displayTimeUnit": "ms", "otherData": known })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::samples::provenance;
     use std::time::Duration;
+
+    fn known() -> [(&'static str, String); 2] {
+        [("preset", "first-light".to_owned()), ("device", "llvmpipe (LLVM 15.0.6, 256 bits) [cpu]".to_owned())]
+    }
 
     #[test]
     fn events_stand_by_thread_and_time_with_what_is_around_others_first() {
@@ -166,7 +169,7 @@ mod tests {
         recorder.name_thread(1, Some("main"));
         recorder.name_thread(2, None);
         recorder.name_thread(2, None);
-        let json = recorder.json(&provenance()).unwrap();
+        let json = recorder.json(&known());
         let events = json["traceEvents"].as_array().unwrap();
         let of = |kind: &str| events.iter().filter(|event| event["ph"] == kind).collect::<Vec<_>>();
         let spans: Vec<(&str, u64, f64, f64)> = of("X")
@@ -195,7 +198,7 @@ mod tests {
     fn a_recorder_that_was_never_on_writes_nothing() {
         let folder = tempfile::tempdir().unwrap();
         drop(span("nobody records this"));
-        finish(&folder.path().join("trace.json"), &provenance()).unwrap();
+        finish(&folder.path().join("trace.json"), &known()).unwrap();
         assert!(!folder.path().join("trace.json").exists());
     }
 }

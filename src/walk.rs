@@ -1,64 +1,14 @@
 //! Walks: the frames of a config one after another, and how much they flicker.
 
-use crate::config::{Config, nearest};
+use crate::config::Config;
 use crate::fail;
 use crate::graph::Execution;
 use crate::metrics::flicker::{Flicker, Matches, Pair, Surfaces, matches};
-use crate::metrics::{Content, Image, rmse};
+use crate::metrics::{Content, Image, Intensity, rmse};
 use crate::output::{Picture, Plane};
 use crate::renderer::Renderer;
 use anyhow::{Context, Result};
 use serde::Serialize;
-
-/// What flickers: a layer of the frame. Intensities are its luminances.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Intensity {
-    /// The picture's radiance before exposure, W/(m^2 sr).
-    #[default]
-    Radiance,
-    /// Radiance of the direct light.
-    Direct,
-    /// Radiance of the indirect light.
-    Indirect,
-    /// Indirect irradiance after filtering, W/m^2: free of the surfaces' textures.
-    Irradiance,
-}
-
-impl Intensity {
-    const ALL: [Self; 4] = [Self::Radiance, Self::Direct, Self::Indirect, Self::Irradiance];
-
-    /// What the layer is called in an EXR.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Radiance => "RGB",
-            Self::Direct => "direct",
-            Self::Indirect => "indirect",
-            Self::Irradiance => "irradiance",
-        }
-    }
-
-    /// The layer of a name.
-    ///
-    /// # Errors
-    /// `BadInput` with the names that there are.
-    pub fn parse(name: &str) -> Result<Self> {
-        let names = Self::ALL.map(Self::name);
-        Self::ALL.into_iter().find(|layer| layer.name() == name).ok_or_else(|| {
-            let all = names.join(", ");
-            let hint = nearest(name, &names).map_or(format!("there are {all}"), |near| format!("did you mean {near}? There are {all}"));
-            fail!(BadInput, "there is no layer {name} to measure the flicker of; {hint}")
-        })
-    }
-
-    fn of(self, picture: &Picture) -> &Plane {
-        match self {
-            Self::Radiance => &picture.radiance,
-            Self::Direct => &picture.direct,
-            Self::Indirect => &picture.indirect,
-            Self::Irradiance => &picture.irradiance,
-        }
-    }
-}
 
 /// The flicker from one frame to the next, and what stands beside it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -139,7 +89,7 @@ pub fn flicker_of_walk(
     for frame in 0..config.frame.count {
         let rendered = renderer.render(config, frame, true, execution)?;
         let Some(picture) = &rendered.picture else { unreachable!("the picture was asked for") };
-        let image = image(layer.of(picture), picture.size).with_context(|| format!("frame {frame}: layer {}", layer.name()))?;
+        let image = image(intensities(picture, layer), picture.size).with_context(|| format!("frame {frame}: layer {}", layer.name()))?;
         let truth = reference.map(|read| read(frame)).transpose()?;
         let error = truth.as_ref().map(|truth| rmse(&image, truth)).transpose();
         let error = error.with_context(|| format!("frame {frame} and its reference: layer {}", layer.name()))?;
@@ -205,6 +155,15 @@ pub fn stands_still(config: &Config) -> bool {
         LightConfig::Environment { .. } => false,
     };
     config.camera.as_ref().is_none_or(|camera| camera.keyframes.is_empty()) && !config.light.iter().any(lit_by_keyframes)
+}
+
+fn intensities(picture: &Picture, layer: Intensity) -> &Plane {
+    match layer {
+        Intensity::Radiance => &picture.radiance,
+        Intensity::Direct => &picture.direct,
+        Intensity::Indirect => &picture.indirect,
+        Intensity::Irradiance => &picture.irradiance,
+    }
 }
 
 fn image(plane: &Plane, size: [u32; 2]) -> Result<Image> {

@@ -1,5 +1,6 @@
 //! The arguments of `manylight compare`.
 
+use crate::metrics::LayerPair;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -26,8 +27,8 @@ pub struct CompareArgs {
     pub reference: PathBuf,
     /// A layer, or a sum as in direct+indirect; TEST=REFERENCE where the names differ; may be repeated [default: RGB, which is
     /// the colours without a name]
-    #[arg(long = "layer", value_name = "LAYER", value_parser = layer_choice)]
-    layers: Vec<LayerChoice>,
+    #[arg(long = "layer", value_name = "LAYER", value_parser = LayerPair::parse)]
+    layers: Vec<LayerPair>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -54,32 +55,9 @@ pub struct CompareArgs {
 
 impl CompareArgs {
     /// The layers that are asked for, or the colours without a name.
-    pub fn layers(&self) -> Vec<LayerChoice> {
-        if self.layers.is_empty() { layer_choice("RGB").into_iter().collect() } else { self.layers.clone() }
+    pub fn layers(&self) -> Vec<LayerPair> {
+        if self.layers.is_empty() { vec![LayerPair::radiance()] } else { self.layers.clone() }
     }
-}
-
-/// A layer of the test and the one of the reference that it is held against; each the sum of those named.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LayerChoice {
-    pub test: Vec<String>,
-    pub reference: Vec<String>,
-}
-
-impl std::fmt::Display for LayerChoice {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let [test, reference] = [&self.test, &self.reference].map(|names| names.join("+"));
-        if test == reference { write!(f, "{test}") } else { write!(f, "{test}={reference}") }
-    }
-}
-
-pub(super) fn layer_choice(text: &str) -> Result<LayerChoice, String> {
-    let (test, reference) = text.split_once('=').unwrap_or((text, text));
-    let [test, reference] = [test, reference].map(|sum| sum.split('+').map(|name| name.trim().to_owned()).collect::<Vec<_>>());
-    if test.iter().chain(&reference).any(|name| name.is_empty() || name.contains('=')) {
-        return Err("expects LAYER, LAYER+LAYER or TEST=REFERENCE, as in direct+indirect=RGB".to_owned());
-    }
-    Ok(LayerChoice { test, reference })
 }
 
 fn threshold(text: &str) -> Result<f64, String> {
@@ -101,7 +79,7 @@ mod tests {
     #[test]
     fn layers_are_names_sums_and_pairs() {
         let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>();
-        let choice = |test: &[&str], reference: &[&str]| LayerChoice { test: names(test), reference: names(reference) };
+        let choice = |test: &[&str], reference: &[&str]| LayerPair { test: names(test), reference: names(reference) };
         assert_eq!(compare("compare a b").layers(), [choice(&["RGB"], &["RGB"])]);
         let several = compare("compare a b --layer direct+indirect=RGB --layer Z");
         assert_eq!(several.layers(), [choice(&["direct", "indirect"], &["RGB"]), choice(&["Z"], &["Z"])]);

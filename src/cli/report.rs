@@ -1,7 +1,6 @@
 //! The arguments of `manylight report`.
 
-use super::LayerChoice;
-use super::compare::layer_choice;
+use crate::metrics::LayerPair;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -16,8 +15,8 @@ pub struct ReportArgs {
     pub output: PathBuf,
     /// What errors are of: a layer, or a sum as in direct+indirect; TEST=REFERENCE where the names differ; RGB are the colours
     /// without a name
-    #[arg(long = "layer", value_name = "LAYER", default_value = "RGB", value_parser = layer_choice)]
-    pub layers: LayerChoice,
+    #[arg(long = "layer", value_name = "LAYER", default_value = "RGB", value_parser = LayerPair::parse)]
+    pub layers: LayerPair,
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! `manylight compare`: how far pictures are from their references.
 
 use super::short;
-use crate::cli::{CompareArgs, LayerChoice};
+use crate::cli::CompareArgs;
 use crate::fail;
-use crate::metrics::{self, Comparison, Image, ImageFile, Measures, heatmap};
-use crate::output::{prepare_folder, write_png};
+use crate::files::prepare_folder;
+use crate::metrics::{self, Comparison, Image, ImageFile, LayerPair, Measures, heatmap};
+use crate::output::write_png;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -69,7 +70,7 @@ impl Frame {
         Self { name: test.file_name().unwrap_or_default().to_string_lossy().into_owned(), test, reference }
     }
 
-    fn both(&self, choice: &LayerChoice) -> String {
+    fn both(&self, choice: &LayerPair) -> String {
         format!("{} and {}: layer {choice}", self.test.display(), self.reference.display())
     }
 }

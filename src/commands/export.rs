@@ -1,9 +1,9 @@
 //! `manylight export mitsuba CONFIG`: a frame's scene for a renderer that is not ours.
 
-use super::load_config;
+use super::setup::Setup;
 use crate::cli::{ExportFormat, MitsubaArgs};
 use crate::export::mitsuba::{self, Shot};
-use crate::output::prepare_folder;
+use crate::files::prepare_folder;
 use crate::scene::source::load_scene;
 use crate::world::view;
 use anyhow::Result;
@@ -16,7 +16,7 @@ pub fn run(format: &ExportFormat) -> Result<()> {
 }
 
 fn to_mitsuba(args: &MitsubaArgs) -> Result<()> {
-    let config = load_config(&args.config, &args.overrides())?;
+    let config = Setup::load(&args.config, &args.overrides())?.config;
     let folder = args.output();
     prepare_folder(&folder)?;
     let (mut scene, mut warnings) = load_scene(&config.scene)?;

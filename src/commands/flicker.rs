@@ -1,16 +1,16 @@
 //! `manylight flicker CONFIG`: how much what stays in sight changes from frame to frame along the config's walk.
 
 use super::progress::Progress;
-use super::{load_config, open, provenance, short};
+use super::setup::{On, Ready, Setup};
+use super::short;
 use crate::cli::FlickerArgs;
 use crate::fail;
-use crate::graph::Execution;
+use crate::files::{prepare_folder, write_file};
 use crate::metrics::flicker::difference_map;
-use crate::metrics::{Image, ImageFile};
-use crate::output::{FRAMES, frame_file, prepare_folder, write_file, write_png};
-use crate::renderer::{Renderer, needs, timing};
-use crate::report::{FlickerLine, Provenance, flicker_csv};
-use crate::walk::{Intensity, Step, Visit, Walk, check, flicker_of_walk, stands_still};
+use crate::metrics::{Image, ImageFile, Intensity};
+use crate::output::{FRAMES, frame_file, write_png};
+use crate::report::{FlickerLine, Provenance, flicker_csv, resolved};
+use crate::walk::{Step, Visit, Walk, check, flicker_of_walk, stands_still};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -34,8 +34,9 @@ struct Report<'r> {
 
 /// Renders the walk, prints a line a pair and one for all of it, and writes the figures.
 pub fn run(args: &FlickerArgs) -> Result<()> {
-    let config = load_config(&args.config, &args.overrides())?;
-    check(&config)?;
+    let setup = Setup::load(&args.config, &args.overrides())?;
+    let config = &setup.config;
+    check(config)?;
     let layer = Intensity::parse(&args.layer).context("--layer")?;
     let reference = args.reference.as_ref().map(|folder| reference_files(folder, config.frame.count)).transpose()?;
     let reference_layer = args.reference_layer.as_deref().unwrap_or(layer.name());
@@ -46,25 +47,16 @@ pub fn run(args: &FlickerArgs) -> Result<()> {
         prepare_folder(&maps)?;
     }
     let progress = Progress::new(args.quiet);
-    progress.say("loading the scene");
-    let (gpu, scene, mut warnings) = open(&config, args.device.as_ref(), false)?;
-    progress.say("bringing the scene to the device");
-    let mut renderer = Renderer::new(gpu, scene, needs(&config))?;
-    renderer.check(&config)?;
-    warnings.extend(renderer.warnings(&config));
-    if stands_still(&config) && !renderer.world().moves() {
-        warnings
-            .push("camera: nothing moves; camera.keyframes, the keyframes of a light or an animation of the scene make a walk".to_owned());
+    let mut ready = setup.ready(On { device: args.device.as_ref(), validate: false }, &[], &progress)?;
+    if stands_still(config) && !ready.renderer.world().moves() {
+        ready.warn("camera: nothing moves; camera.keyframes, the keyframes of a light or an animation of the scene make a walk", &progress);
     }
-    warnings.iter().for_each(|warning| progress.warn(warning));
-    progress.say("preparing the shaders");
-    renderer.prepare(&config, &[])?;
+    let Ready { mut renderer, from, execution, warnings, .. } = ready;
 
     let read = |frame: u32| -> Result<Image> {
         let files: &[PathBuf] = reference.as_deref().unwrap_or_default();
         ImageFile::open(&files[frame as usize])?.layer(&[reference_layer.to_owned()])
     };
-    let execution = Execution { timing: timing(&config, &renderer.gpu().adapter), ..Execution::default() };
     let count = config.frame.count;
     let mut on_frame = |visit: &Visit| -> Result<()> {
         progress.frame(visit.frame, count);
@@ -80,10 +72,9 @@ pub fn run(args: &FlickerArgs) -> Result<()> {
         Ok(())
     };
     let reader: Option<crate::walk::ReferenceFrames> = if reference.is_some() { Some(&read) } else { None };
-    let walk = flicker_of_walk(&mut renderer, &config, layer, reader, &execution, &mut on_frame)?;
+    let walk = flicker_of_walk(&mut renderer, config, layer, reader, &execution, &mut on_frame)?;
 
     progress.say("writing");
-    let from = provenance(&args.config, &config, &renderer);
     write_file(&folder.join("flicker.csv"), &flicker_csv(&lines(&walk), layer.name(), &from)?)?;
     let report = Report {
         from: &from,
@@ -93,7 +84,7 @@ pub fn run(args: &FlickerArgs) -> Result<()> {
         walk: &walk,
         reference_frames: args.reference.as_deref().map(|folder| (folder, reference_layer)),
         warnings: &warnings,
-        config: serde_json::to_value(&config).context("the config cannot be written as JSON")?,
+        config: resolved(config)?,
     };
     let mut json = serde_json::to_vec_pretty(&report).context("flicker.json cannot be put together")?;
     json.push(b'\n');

@@ -1,80 +1,144 @@
-//! Frames of a config, measured, and the folder that they leave: what a render's and a table's runs have in common.
+//! Frames of a config, warmed up and measured, and what they leave in a folder: the same for `render`, `bench` and `reproduce`.
 
 use super::progress::Progress;
-use super::render::layers;
-use super::{counts, means, provenance};
 use crate::config::Config;
 use crate::fail;
+use crate::files::write_file;
 use crate::graph::Execution;
-use crate::output::{RunReport, prepare_folder, write_exr, write_file, write_png};
-use crate::renderer::{Rendered, Renderer, timing};
-use crate::report::{Memory, PassTime, Timings, peak_memory_bytes, timings_csv};
-use anyhow::{Context, Result};
+use crate::output::{Picture, write_exr, write_png};
+use crate::renderer::{Rendered, Renderer};
+use crate::report::{PassTime, Provenance, RunReport, timings_csv};
+use crate::{stages, trace};
+use anyhow::Result;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What the measured frames of a config gave.
-pub struct Measured {
-    pub times: Vec<PassTime>,
-    /// The last frame, with its picture.
-    pub last: Rendered,
+/// Which frames run, and what comes back of them.
+pub struct Frames<'a> {
+    /// Frames that run first and are not measured: the driver compiles what it has not used yet.
+    pub warmup: u32,
+    /// The measured ones, in order: the number that their times go by, and the frame of the config's animation.
+    pub measured: &'a [(u32, u32)],
+    pub pictures: Pictures,
+    /// Passes whose results are kept of the last frame.
+    pub dump: &'a [String],
+    /// Whether values that are no numbers are counted in the last frame.
+    pub check_nan: bool,
 }
 
-/// Warms up and renders the frames of a config; the last one's picture is brought back.
-pub fn frames(renderer: &mut Renderer, config: &Config, progress: &Progress) -> Result<Measured> {
-    let execution = Execution { timing: timing(config, &renderer.gpu().adapter), ..Execution::default() };
-    renderer.prepare(config, &[])?;
-    for _ in 0..config.frame.warmup {
-        renderer.warm_up(config, &execution)?;
-        progress.tick();
+/// Whose pictures are brought back; that takes no part in the times.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Pictures {
+    None,
+    Last,
+    All,
+}
+
+/// What measured frames gave.
+pub struct Measured {
+    pub times: Vec<PassTime>,
+    /// The last frame.
+    pub last: Rendered,
+    frames: u32,
+    warmup: u32,
+}
+
+impl Frames<'_> {
+    /// Runs them; `on_frame` gets each with its number. The progress is told where there is one.
+    pub fn run(
+        &self,
+        renderer: &mut Renderer,
+        config: &Config,
+        execution: &Execution,
+        progress: Option<&Progress>,
+        on_frame: &mut dyn FnMut(u32, &Rendered) -> Result<()>,
+    ) -> Result<Measured> {
+        for i in 0..self.warmup {
+            if let Some(progress) = progress {
+                progress.say(&format!("warm-up frame {} of {}", i + 1, self.warmup));
+            }
+            let _span = trace::span(format_args!("warm-up frame {i}"));
+            renderer.warm_up(config, execution)?;
+        }
+        let frames = self.measured.len() as u32;
+        let (mut times, mut last) = (Vec::new(), None);
+        for (done, (number, frame)) in (0..).zip(self.measured.iter().copied()) {
+            if let Some(progress) = progress {
+                progress.frame(done, frames);
+            }
+            let _span = trace::span(format_args!("frame {number}"));
+            let is_last = done + 1 == frames;
+            let mut execution = execution.clone();
+            if is_last {
+                (execution.dump, execution.check_nan) = (self.dump.to_vec(), self.check_nan);
+            }
+            let pictured = self.pictures == Pictures::All || (is_last && self.pictures == Pictures::Last);
+            let rendered = renderer.render(config, frame, pictured, &execution)?;
+            times.extend(rendered.times.iter().map(|(pass, ms)| PassTime { frame: number, pass: (*pass).to_owned(), ms: *ms }));
+            on_frame(number, &rendered)?;
+            last = Some(rendered);
+        }
+        let Some(last) = last else { unreachable!("at least one frame is measured") };
+        Ok(Measured { times, last, frames, warmup: self.warmup })
     }
-    let mut times = Vec::new();
-    let mut last = None;
-    for frame in 0..config.frame.count {
-        let rendered = renderer.render(config, frame, frame + 1 == config.frame.count, &execution)?;
-        times.extend(rendered.times.iter().map(|(pass, ms)| PassTime { frame, pass: (*pass).to_owned(), ms: *ms }));
-        last = Some(rendered);
-        progress.tick();
-    }
-    let Some(last) = last else { unreachable!("a config renders at least one frame") };
-    Ok(Measured { times, last })
 }
 
 impl Measured {
-    /// Writes pictures, times and the record, which comes last: where it is, all is. `name` stands for the preset's.
-    pub fn write(&self, folder: &Path, name: &Path, config: &Config, renderer: &Renderer) -> Result<()> {
-        prepare_folder(folder)?;
-        let from = provenance(name, config, renderer);
-        let Some(picture) = &self.last.picture else { unreachable!("the last frame is brought back") };
-        let [width, height] = picture.size;
-        write_png(&folder.join("image.png"), width, height, &picture.image)?;
-        let metadata = [("version", from.version.clone()), ("preset", from.preset.clone()), ("device", from.device.name.clone())];
-        write_exr(&folder.join("image.exr"), width, height, layers(picture, &config.output.layers), &metadata)?;
-        write_file(&folder.join("timings.csv"), &timings_csv(&self.times, &from)?)?;
-        let counted = counts(renderer, config, None, &self.last.counts);
-        let report = RunReport {
-            from,
-            seed: u64::from(config.frame.seed),
-            frames: config.frame.count,
-            warmup: config.frame.warmup,
+    /// The picture of the last frame.
+    pub fn picture(&self) -> &Picture {
+        self.last.picture.as_ref().unwrap_or_else(|| unreachable!("the last frame's picture was asked for"))
+    }
+
+    /// The record of the run.
+    pub fn record(
+        &self,
+        renderer: &Renderer,
+        config: &Config,
+        from: &Provenance,
+        first_pass_ms: Option<u64>,
+        warnings: Vec<String>,
+    ) -> Result<RunReport> {
+        let counts = self.counts(renderer, config, first_pass_ms);
+        Ok(RunReport {
+            frames: self.frames,
+            warmup: self.warmup,
             choices: renderer.choices(config),
-            timings: Timings::of(&self.times),
-            means: means(&counted),
-            counts: counted,
-            memory: Memory::of(&self.last.memory),
-            checks: BTreeMap::new(),
-            warnings: [renderer.warnings(config), self.last.warnings()].concat(),
-            peak_memory_bytes: peak_memory_bytes(),
-            config: serde_json::to_value(config).context("the config cannot be written as JSON")?,
-        };
-        report.write(&folder.join("run.json"))
+            means: stages::means(&counts),
+            counts,
+            warnings,
+            ..RunReport::of(from, renderer.shaders(), config, &self.times, &self.last.memory)?
+        })
+    }
+
+    /// What the run knows in numbers, and what passes counted.
+    fn counts(&self, renderer: &Renderer, config: &Config, first_pass_ms: Option<u64>) -> BTreeMap<String, u64> {
+        let known = [
+            ("scene/triangles", Some(renderer.world().device().triangles)),
+            ("start/first-pass-ms", first_pass_ms),
+            ("vpls/count", Some(u64::from(renderer.vpl_count(config)))),
+            ("device/memory-bytes", Some(renderer.gpu().memory_in_use())),
+        ];
+        let known = known.into_iter().filter_map(|(name, count)| Some((name.to_owned(), count?)));
+        known.chain(self.last.counts.iter().cloned()).collect()
+    }
+
+    /// Writes `timings.csv` under a name.
+    pub fn write_times(&self, path: &Path, from: &Provenance) -> Result<()> {
+        write_file(path, &timings_csv(&self.times, from)?)
     }
 }
 
-/// Fails where validation was on and said something.
-pub fn check_validation(renderer: &Renderer, on: bool) -> Result<()> {
+/// Writes a frame as EXR, with the layers that the config asks for, and as PNG.
+pub fn write_picture(exr: &Path, png: &Path, picture: &Picture, config: &Config, from: &Provenance) -> Result<()> {
+    let [width, height] = picture.size;
+    write_png(png, width, height, &picture.image)?;
+    write_exr(exr, width, height, picture.layers(&config.output.layers), &from.of_image())
+}
+
+/// Fails where the validation layer said something.
+pub fn check_validation(renderer: &Renderer) -> Result<()> {
     let messages = renderer.gpu().validation_messages();
-    match messages.first().filter(|_| on) {
+    match messages.first() {
         Some(first) => Err(fail!(ComparisonFailed, "the validation layer has {} messages, the first: {first}", messages.len())),
         None => Ok(()),
     }

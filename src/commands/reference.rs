@@ -3,17 +3,19 @@
 pub(super) mod frame;
 
 use self::frame::{Files, Goal, Run, Traced};
+use super::measure::check_validation;
+use super::no_frames;
 use super::progress::Progress;
-use super::{load_config, no_frames, open, prepare_trace, provenance};
+use super::setup::{self, On, Setup, begin_trace, end_trace};
 use crate::cli::ReferenceArgs;
 use crate::config::Config;
 use crate::fail;
-use crate::graph::Execution;
-use crate::output::{FRAMES, RunReport, frame_file, prepare_folder, write_file};
+use crate::files::{prepare_folder, write_file};
+use crate::output::{FRAMES, frame_file};
 use crate::reference::{Settings, identity, load_sums, scene_digest};
-use crate::renderer::{Renderer, timing};
+use crate::renderer::Renderer;
+use crate::report::RunReport;
 use crate::report::{PassTime, timings_csv};
-use crate::trace;
 use crate::world::Needs;
 use anyhow::Result;
 use serde_json::json;
@@ -28,16 +30,17 @@ const SUMS: &str = "sums";
 
 /// Traces until something says stop, and writes everything.
 pub fn run(args: &ReferenceArgs) -> Result<()> {
-    let config = load_config(&args.config, &args.overrides())?;
+    let setup = Setup::load(&args.config, &args.overrides())?;
+    let (config, sequence) = (&setup.config, args.sequence);
     let folder = args.output();
-    let frames: Vec<u32> = match args.sequence.sequence {
-        true => args.sequence.frames(config.frame.count).collect(),
+    let frames: Vec<u32> = match sequence.sequence {
+        true => sequence.frames(config.frame.count).collect(),
         false => vec![args.frame.unwrap_or(config.frame.count - 1)],
     };
-    let Some(last_frame) = frames.last().copied() else { return Err(no_frames(&config)) };
+    let Some(last_frame) = frames.last().copied() else { return Err(no_frames(config)) };
     prepare_folder(&folder)?;
-    prepare_trace(args.trace.as_deref())?;
-    if args.sequence.sequence {
+    begin_trace(args.trace.as_deref())?;
+    if sequence.sequence {
         prepare_folder(&folder.join(FRAMES))?;
         prepare_folder(&folder.join(SUMS))?;
     }
@@ -48,17 +51,18 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     });
     let progress = Progress::new(args.quiet);
     progress.say("loading the scene");
-    let (gpu, scene, warnings) = open(&config, args.device.as_ref(), args.validate)?;
+    let opened = setup::open(config, On { device: args.device.as_ref(), validate: args.validate })?;
+    let warnings = opened.warnings.clone();
     warnings.iter().for_each(|warning| progress.warn(warning));
     progress.say("building the hierarchy");
-    let digest = scene_digest(&scene);
+    let digest = scene_digest(&opened.scene);
     let rays = Needs { rays: true };
-    let mut renderer = Renderer::new(gpu, scene, rays)?;
+    let mut renderer = opened.bring(rays)?;
     renderer.ensure(rays)?;
-    let execution = Execution { timing: timing(&config, &renderer.gpu().adapter), ..Execution::default() };
-    let from = provenance(&args.config, &config, &renderer);
+    let execution = setup::execution(config, &renderer);
+    let from = setup.provenance(&renderer);
     let goal = Goal { spp: args.spp, target_error: args.target_error, time: args.time };
-    let run = Run { goal, is_sequence: args.sequence.sequence, config: &config, execution: &execution, progress: &progress, from };
+    let run = Run { goal, is_sequence: sequence.sequence, config, execution: &execution, progress: &progress, from };
 
     let mut traced: Vec<(u32, Traced)> = Vec::new();
     for frame in frames.iter().copied() {
@@ -66,14 +70,14 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
         if !traced.is_empty() && STOPPED.load(Ordering::Relaxed) {
             break;
         }
-        let settings = settings(args, &config, frame);
-        let identity = truth_identity(&mut renderer, &config, settings, &digest)?;
-        let files = files(&folder, args.sequence.sequence.then_some(frame));
+        let settings = settings(args, config, frame);
+        let identity = truth_identity(&mut renderer, config, settings, &digest)?;
+        let files = files(&folder, sequence.sequence.then_some(frame));
         // A frame of a sequence may not have been begun; a run of one frame that cannot go on is a mistake.
-        let resumes = args.resume && (!args.sequence.sequence || files.sums.exists());
+        let resumes = args.resume && (!sequence.sequence || files.sums.exists());
         let before = if resumes { Some(load_sums(&files.sums, &identity, config.frame.size, args.bounces)?) } else { None };
         let finished = match &before {
-            Some(before) if args.sequence.sequence => run.finished(&files, before)?,
+            Some(before) if sequence.sequence => run.finished(&files, before)?,
             _ => None,
         };
         let skipped = finished.is_some();
@@ -81,14 +85,14 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
             Some(finished) => finished,
             None => run.trace(&mut renderer, settings, &identity, before.as_ref(), &files)?,
         };
-        if args.sequence.sequence && !args.quiet {
+        if sequence.sequence && !args.quiet {
             let how = if skipped { "done before" } else { "traced" };
             progress.print(&format!("{frame:04}  {} samples, standard error {}, {how}", of_frame.samples, percent(of_frame.error)));
         }
         traced.push((frame, of_frame));
     }
     // A part of a sequence with its last frame leaves it as the whole sequence does.
-    let leaves_image = args.sequence.sequence && last_frame + 1 == config.frame.count && traced.len() == frames.len();
+    let leaves_image = sequence.sequence && last_frame + 1 == config.frame.count && traced.len() == frames.len();
     if leaves_image {
         for ending in ["exr", "png"] {
             copy(&frame_file(&folder.join(FRAMES), last_frame, ending), &folder.join("image").with_extension(ending))?;
@@ -96,18 +100,17 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     }
 
     let times: Vec<PassTime> = traced.iter().flat_map(|(_, frame)| frame.times.iter().cloned()).collect();
-    write_file(&folder.join(args.sequence.file_name("timings", "csv")), &timings_csv(&times, &run.from)?)?;
-    let messages = renderer.gpu().validation_messages();
+    write_file(&folder.join(sequence.file_name("timings", "csv")), &timings_csv(&times, &run.from)?)?;
     let mut checks = std::collections::BTreeMap::new();
     if args.validate {
-        checks.insert("validation".to_owned(), json!(messages));
+        checks.insert("validation".to_owned(), json!(renderer.gpu().validation_messages()));
     }
-    if args.sequence.sequence {
+    if sequence.sequence {
         let figures =
             |frame: &Traced| json!({ "samples": frame.samples, "relative-standard-error": frame.error.is_finite().then_some(frame.error) });
         checks.insert("frames".to_owned(), traced.iter().map(|(frame, of_frame)| (format!("{frame:04}"), figures(of_frame))).collect());
     }
-    let frames_made = if args.sequence.sequence { traced.len() } else { times.len() } as u32;
+    let frames_made = if sequence.sequence { traced.len() } else { times.len() } as u32;
     let last_made = traced.last().map_or(last_frame, |(frame, _)| *frame);
     // Of several frames the least sure one speaks for all.
     let whole = Traced {
@@ -118,16 +121,14 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
         memory: traced.last().map(|(_, frame)| frame.memory.clone()).unwrap_or_default(),
         times,
     };
-    let record = run.record(&renderer, settings(args, &config, last_made), &whole)?;
+    let record = run.record(&renderer, settings(args, config, last_made), &whole)?;
     let report = RunReport { frames: frames_made, checks: checks.into_iter().chain(record.checks).collect(), warnings, ..record };
     let Traced { samples, rays, seconds, error, .. } = whole;
-    report.write(&folder.join(args.sequence.file_name("run", "json")))?;
-    if let Some(path) = &args.trace {
-        trace::finish(path, &report.from)?;
-    }
+    report.write(&folder.join(sequence.file_name("run", "json")))?;
+    end_trace(args.trace.as_deref(), &report.from)?;
     progress.end();
 
-    let shown = if args.sequence.sequence { folder.join(FRAMES) } else { folder.join("image.png") };
+    let shown = if sequence.sequence { folder.join(FRAMES) } else { folder.join("image.png") };
     println!("{}", shown.display());
     if !args.quiet {
         if traced.len() < frames.len() {
@@ -142,10 +143,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
             report.from.device.kind
         );
     }
-    if let Some(first) = messages.first() {
-        return Err(fail!(ComparisonFailed, "the validation layer has {} messages, the first: {first}", messages.len()));
-    }
-    Ok(())
+    check_validation(&renderer)
 }
 
 fn percent(error: f64) -> String {

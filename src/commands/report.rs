@@ -1,7 +1,7 @@
 //! `manylight report`: runs, tables and their errors as one HTML file.
 
 use crate::cli::ReportArgs;
-use crate::output::{prepare_folder, write_file};
+use crate::files::{prepare_folder, write_file};
 use crate::report::html;
 use anyhow::Result;
 

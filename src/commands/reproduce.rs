@@ -1,16 +1,18 @@
 //! `manylight reproduce TABLE`: runs the cells of a table, and prints them beside the figures of the paper.
 
+use super::measure::{Frames, Pictures, check_validation, write_picture};
 use super::progress::Progress;
+use super::setup::{self, On};
 use super::truth::Truth;
-use super::{measure, open};
 use crate::cli::{ReproduceArgs, Shard};
 use crate::config::{Config, SceneConfig};
 use crate::fail;
-use crate::graph::Execution;
-use crate::output::{prepare_folder, write_file};
+use crate::files::{prepare_folder, write_file};
+use crate::graph::{Execution, Library};
 use crate::presets;
 use crate::reference::scene_digest;
 use crate::renderer::{Renderer, needs};
+use crate::stages;
 use crate::tables::cells::{self, WALKS, reference_folder, run_folder};
 use crate::tables::{Names, Plan, Run, Table, print, read, sheet};
 use crate::walk::flicker_of_walk;
@@ -24,7 +26,7 @@ pub fn run(args: &ReproduceArgs) -> Result<()> {
     let tables = args.tables.iter().map(|name| named(name)).collect::<Result<Vec<_>>>()?.concat();
     let mut planned: Vec<(Table, Plan, PathBuf)> = Vec::new();
     for (text, path) in tables {
-        let table = read::table(&text, &path, args.scenes.as_deref())?;
+        let table = read::table(&text, &path, args.scenes.as_deref(), &stages::names())?;
         let plan = Plan::of(&table, &args.sweep())?;
         let folder = args.output().join(&table.name);
         if let Some((other, ..)) = planned.iter().find(|(other, ..)| other.name == table.name) {
@@ -33,7 +35,8 @@ pub fn run(args: &ReproduceArgs) -> Result<()> {
         planned.push((table, plan, folder));
     }
     let progress = Progress::new(args.quiet);
-    let mut session = Session { args, progress: &progress, open: None };
+    let shaders = Library::new()?.key_of_all().to_hex().to_string();
+    let mut session = Session { args, progress: &progress, shaders, open: None };
     // Each table's runs have numbers of their own in the list of all, so that shards are about as long as each other.
     let mut number = 0;
     for (table, plan, folder) in &planned {
@@ -54,7 +57,7 @@ pub fn run(args: &ReproduceArgs) -> Result<()> {
     }
     progress.end();
     if let Some(open) = session.open {
-        measure::check_validation(&open.renderer, args.validate)?;
+        check_validation(&open.renderer)?;
     }
     Ok(())
 }
@@ -82,7 +85,8 @@ fn named(name: &str) -> Result<Vec<(String, PathBuf)>> {
 /// A device with a scene, which stay from run to run.
 struct Open {
     scene: SceneConfig,
-    rays: bool,
+    /// What runs on it may need.
+    may_need: Needs,
     renderer: Renderer,
     /// Of what the truth of this scene depends on.
     digest: String,
@@ -91,6 +95,8 @@ struct Open {
 struct Session<'a> {
     args: &'a ReproduceArgs,
     progress: &'a Progress,
+    /// The key of the shaders that runs are made with.
+    shaders: String,
     open: Option<Open>,
 }
 
@@ -100,7 +106,7 @@ impl Session<'_> {
         for run in &plan.runs {
             let mine = self.args.shard.is_none_or(|shard: Shard| shard.has(*number));
             *number += 1;
-            if mine && !(self.args.resume && cells::is_current(folder, run) && self.has_truth(table, run, folder)) {
+            if mine && !(self.args.resume && cells::is_current(folder, run, &self.shaders) && self.has_truth(table, run, folder)) {
                 todo.push(run);
             }
         }
@@ -118,8 +124,8 @@ impl Session<'_> {
     /// so that all of these can run on it.
     fn check_names(&mut self, table: &Table, plan: &Plan, first: &Run) -> Result<()> {
         let same: Vec<&Run> = plan.runs.iter().filter(|run| run.config.scene == first.config.scene).collect();
-        let rays = same.iter().any(|run| run.needs_reference || needs(&run.config).rays);
-        let open = self.opened(&first.config, rays)?;
+        let all = same.iter().map(|run| needs_of(run)).fold(Needs::default(), Needs::and);
+        let open = self.opened(&first.config, all)?;
         let mut names = Names::default();
         for run in &same {
             open.renderer.check(&run.config).with_context(|| format!("{}: {}", table.name, run.label))?;
@@ -137,8 +143,8 @@ impl Session<'_> {
 
     fn one(&mut self, table: &Table, run: &Run, folder: &Path) -> Result<()> {
         let config = &run.config;
-        let (args, progress) = (self.args, self.progress);
-        let open = self.opened(config, run.needs_reference)?;
+        let progress = self.progress;
+        let open = self.opened(config, needs_of(run))?;
         open.renderer.check(config)?;
         if run.needs_reference {
             let key = run.reference_key(table);
@@ -147,7 +153,11 @@ impl Session<'_> {
         }
         let own = run_folder(folder, run);
         cells::begin(folder, run)?;
-        let measured = measure::frames(&mut open.renderer, config, progress)?;
+        open.renderer.prepare(config, &[])?;
+        let shown: Vec<(u32, u32)> = (0..config.frame.count).map(|frame| (frame, frame)).collect();
+        let frames = Frames { warmup: config.frame.warmup, measured: &shown, pictures: Pictures::Last, dump: &[], check_nan: false };
+        let execution = setup::execution(config, &open.renderer);
+        let measured = frames.run(&mut open.renderer, config, &execution, None, &mut |_, _| Ok(()))?;
         if !run.walks.is_empty() {
             let mut walks = BTreeMap::new();
             for (name, layer) in &run.walks {
@@ -160,28 +170,35 @@ impl Session<'_> {
             prepare_folder(&own)?;
             write_file(&own.join(WALKS), &serde_json::to_vec_pretty(&walks)?)?;
         }
-        measure::check_validation(&open.renderer, args.validate)?;
-        measured.write(&own, Path::new(&table.name), config, &open.renderer)
+        check_validation(&open.renderer)?;
+        prepare_folder(&own)?;
+        let from = setup::provenance(Path::new(&table.name), config, &open.renderer);
+        write_picture(&own.join("image.exr"), &own.join("image.png"), measured.picture(), config, &from)?;
+        measured.write_times(&own.join("timings.csv"), &from)?;
+        let warnings = [open.renderer.warnings(config), measured.last.warnings()].concat();
+        // Written last: where it is, all is.
+        measured.record(&open.renderer, config, &from, None, warnings)?.write(&own.join("run.json"))
     }
 
     /// The device with the scene of a config; another one is given back first.
-    fn opened(&mut self, config: &Config, truth: bool) -> Result<&mut Open> {
-        let rays = truth || needs(config).rays;
-        let fits = |open: &Open| open.scene == config.scene && (open.rays || !rays);
+    fn opened(&mut self, config: &Config, needs: Needs) -> Result<&mut Open> {
+        let fits = |open: &Open| open.scene == config.scene && open.may_need == open.may_need.and(needs);
         if !self.open.as_ref().is_some_and(fits) {
             self.open = None;
-            let (gpu, scene, warnings) = open(config, self.args.device.as_ref(), self.args.validate)?;
-            warnings.iter().for_each(|warning| self.progress.warn(warning));
-            let digest = scene_digest(&scene);
-            let mut renderer = Renderer::new(gpu, scene, Needs { rays })?;
-            renderer.ensure(Needs { rays })?;
-            self.open = Some(Open { scene: config.scene.clone(), rays, renderer, digest });
+            let opened = setup::open(config, On { device: self.args.device.as_ref(), validate: self.args.validate })?;
+            opened.warnings.iter().for_each(|warning| self.progress.warn(warning));
+            let digest = scene_digest(&opened.scene);
+            self.open = Some(Open { scene: config.scene.clone(), may_need: needs, renderer: opened.bring(needs)?, digest });
         }
-        match &mut self.open {
-            Some(open) => Ok(open),
-            None => unreachable!("it has just been opened"),
-        }
+        let Some(open) = &mut self.open else { unreachable!("it has just been opened") };
+        open.renderer.ensure(needs)?;
+        Ok(open)
     }
+}
+
+/// What a run needs of the world, its truth included.
+fn needs_of(run: &Run) -> Needs {
+    needs(&run.config).and(Needs { rays: run.needs_reference })
 }
 
 /// Brings what shards have left of a table into one folder.

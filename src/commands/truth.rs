@@ -1,14 +1,13 @@
 //! The truth of a table's run: traced once to its goal, and kept in the user's cache for the next table that asks for it.
 
 use super::progress::Progress;
-use super::provenance;
 use super::reference::frame::{Files, Goal};
 use super::reference::{self, truth_identity};
+use super::setup::{execution, provenance};
 use crate::config::Config;
-use crate::graph::Execution;
-use crate::output::{prepare_folder, write_file};
+use crate::files::{prepare_folder, write_file};
 use crate::reference::{Settings, load_sums};
-use crate::renderer::{Renderer, timing};
+use crate::renderer::Renderer;
 use crate::report::timings_csv;
 use crate::tables::ReferenceGoal;
 use crate::tables::cells::reference_cache;
@@ -44,7 +43,7 @@ impl Truth<'_> {
         }
         prepare_folder(folder)?;
         let goal = Goal { spp: self.goal.samples, target_error: Some(self.goal.error), time: None };
-        let execution = Execution { timing: timing(self.config, &renderer.gpu().adapter), ..Execution::default() };
+        let execution = execution(self.config, renderer);
         let from = provenance(Path::new(table), self.config, renderer);
         let run = reference::frame::Run { goal, is_sequence: false, config: self.config, execution: &execution, progress, from };
         let files = Files { sums: folder.join(SUMS), exr: folder.join("image.exr"), png: folder.join("image.png") };
@@ -91,7 +90,7 @@ pub fn copy_folder(from: &Path, to: &Path) -> Result<()> {
     names.sort_by_key(|name| name == LAST);
     for name in names {
         let bytes = std::fs::read(from.join(&name)).map_err(cannot)?;
-        crate::output::write_file(&to.join(&name), &bytes)?;
+        crate::files::write_file(&to.join(&name), &bytes)?;
     }
     Ok(())
 }

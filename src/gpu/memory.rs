@@ -3,9 +3,9 @@
 use super::device::{Gpu, failure};
 use super::fault::Fault;
 use super::format::Format;
-use super::types::{Accesses, Barrier, Stages};
+use super::slots::{Id, Slots};
 use crate::fail;
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
@@ -13,11 +13,11 @@ use std::mem::ManuallyDrop;
 
 /// A buffer of a [`Gpu`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct BufferId(u32);
+pub struct BufferId(Id);
 
 /// An image of a [`Gpu`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct ImageId(u32);
+pub struct ImageId(Id);
 
 /// An image's shape. `attachment` and `storage` say what it is made for; every image can be sampled and copied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -51,8 +51,10 @@ pub(super) struct ImageSlot {
 
 pub(super) struct Memory {
     allocator: ManuallyDrop<Allocator>,
-    buffers: Vec<Option<BufferSlot>>,
-    images: Vec<Option<ImageSlot>>,
+    buffers: Slots<BufferSlot>,
+    images: Slots<ImageSlot>,
+    /// What both take.
+    bytes: u64,
 }
 
 /// Where a buffer lies.
@@ -74,67 +76,71 @@ impl Memory {
             allocation_sizes: Default::default(),
         })
         .map_err(|error| fail!(NoDevice, "device memory: {error}"))?;
-        Ok(Self { allocator: ManuallyDrop::new(allocator), buffers: Vec::new(), images: Vec::new() })
+        Ok(Self { allocator: ManuallyDrop::new(allocator), buffers: Slots::new("buffer"), images: Slots::new("image"), bytes: 0 })
     }
 
     pub fn destroy(&mut self, device: &ash::Device) {
-        for i in 0..self.buffers.len() {
-            self.free_buffer(device, BufferId(i as u32));
+        for slot in self.buffers.take_all() {
+            self.free_buffer(device, slot);
         }
-        for i in 0..self.images.len() {
-            self.free_image(device, ImageId(i as u32));
+        for slot in self.images.take_all() {
+            self.free_image(device, slot);
         }
         // Safety: nothing uses the allocator after this; it must go before its device does.
         unsafe { ManuallyDrop::drop(&mut self.allocator) };
     }
 
     pub fn buffer(&self, id: BufferId) -> &BufferSlot {
-        self.buffers[id.0 as usize].as_ref().unwrap_or_else(|| unreachable!("buffer {id:?} is used after it was freed"))
+        self.buffers.get(id.0)
     }
 
     pub fn image(&self, id: ImageId) -> &ImageSlot {
-        self.images[id.0 as usize].as_ref().unwrap_or_else(|| unreachable!("image {id:?} is used after it was freed"))
+        self.images.get(id.0)
     }
 
-    fn free_buffer(&mut self, device: &ash::Device, id: BufferId) {
-        if let Some(slot) = self.buffers[id.0 as usize].take() {
-            unsafe { device.destroy_buffer(slot.handle, None) };
-            let freed = self.allocator.free(slot.allocation);
-            debug_assert!(freed.is_ok());
-        }
+    fn add_buffer(&mut self, slot: BufferSlot) -> BufferId {
+        self.bytes += slot.allocation.size();
+        BufferId(self.buffers.add(slot))
     }
 
-    fn free_image(&mut self, device: &ash::Device, id: ImageId) {
-        if let Some(slot) = self.images[id.0 as usize].take() {
-            unsafe {
-                for view in [slot.array, slot.flat, slot.array_mip0, slot.flat_mip0] {
-                    device.destroy_image_view(view, None);
-                }
-                device.destroy_image(slot.handle, None);
+    fn add_image(&mut self, slot: ImageSlot) -> ImageId {
+        self.bytes += slot.allocation.size();
+        ImageId(self.images.add(slot))
+    }
+
+    fn free_buffer(&mut self, device: &ash::Device, slot: BufferSlot) {
+        unsafe { device.destroy_buffer(slot.handle, None) };
+        self.free(slot.allocation);
+    }
+
+    fn free_image(&mut self, device: &ash::Device, slot: ImageSlot) {
+        unsafe {
+            for view in [slot.array, slot.flat, slot.array_mip0, slot.flat_mip0] {
+                device.destroy_image_view(view, None);
             }
-            let freed = self.allocator.free(slot.allocation);
-            debug_assert!(freed.is_ok());
+            device.destroy_image(slot.handle, None);
         }
+        self.free(slot.allocation);
     }
 
-    /// Bytes that buffers and images take.
-    fn bytes(&self) -> u64 {
-        let buffers = self.buffers.iter().flatten().map(|slot| slot.allocation.size());
-        buffers.chain(self.images.iter().flatten().map(|slot| slot.allocation.size())).sum()
+    fn free(&mut self, allocation: Allocation) {
+        self.bytes -= allocation.size();
+        let freed = self.allocator.free(allocation);
+        debug_assert!(freed.is_ok());
     }
 }
 
 impl Gpu {
     /// Device memory in use, bytes.
     pub fn memory_in_use(&self) -> u64 {
-        self.memory.bytes()
+        self.memory.bytes
     }
 
     fn check_room(&self, name: &str, bytes: u64) -> Result<()> {
         if self.fault == Some(Fault::OutOfMemory { resource: name.into() }) {
             return Err(failure(vk::Result::ERROR_OUT_OF_DEVICE_MEMORY, name));
         }
-        let (used, heap) = (self.memory.bytes(), self.adapter.limits.heap_bytes);
+        let (used, heap) = (self.memory.bytes, self.adapter.limits.heap_bytes);
         if used.saturating_add(bytes) > heap {
             return Err(fail!(
                 OutOfMemory,
@@ -162,8 +168,8 @@ impl Gpu {
 
     /// Overwrites the start of an upload buffer; the device must not be using it.
     pub fn write_upload_buffer(&mut self, id: BufferId, contents: &[u8]) {
-        let slot = self.memory.buffers[id.0 as usize].as_mut().unwrap_or_else(|| unreachable!("a freed buffer is written"));
-        let mapped = slot.allocation.mapped_slice_mut().unwrap_or_else(|| unreachable!("upload buffers are mapped"));
+        let mapped =
+            self.memory.buffers.get_mut(id.0).allocation.mapped_slice_mut().unwrap_or_else(|| unreachable!("upload buffers are mapped"));
         mapped[..contents.len()].copy_from_slice(contents);
     }
 
@@ -215,8 +221,7 @@ impl Gpu {
             .map_err(|error| fail!(OutOfMemory, "{name}: {error}"))?;
         unsafe { self.device.bind_buffer_memory(handle, allocation.memory(), allocation.offset()) }.map_err(|e| failure(e, name))?;
         self.name_object(handle, name);
-        self.memory.buffers.push(Some(BufferSlot { handle, bytes, allocation }));
-        Ok(BufferId(self.memory.buffers.len() as u32 - 1))
+        Ok(self.memory.add_buffer(BufferSlot { handle, bytes, allocation }))
     }
 
     /// Makes images and brings them into the layout GENERAL; their contents are undefined. One submission for all of them.
@@ -294,82 +299,19 @@ impl Gpu {
             flat_mip0: view(flat_kind, 1, 1)?,
             allocation,
         };
-        self.memory.images.push(Some(slot));
-        Ok(ImageId(self.memory.images.len() as u32 - 1))
+        Ok(self.memory.add_image(slot))
     }
 
+    /// Destroys a buffer and gives its memory back; nothing on the device uses it, and nobody its id again.
     pub fn free_buffer(&mut self, id: BufferId) {
-        self.memory.free_buffer(&self.device, id);
+        let slot = self.memory.buffers.remove(id.0);
+        self.memory.free_buffer(&self.device, slot);
     }
 
+    /// As [`Self::free_buffer`].
     pub fn free_image(&mut self, id: ImageId) {
-        self.memory.free_image(&self.device, id);
-    }
-
-    /// A device buffer that holds `contents`.
-    pub fn create_filled_buffer(&mut self, name: &str, contents: &[u8]) -> Result<BufferId> {
-        /// Staged at a time, so that a large scene does not lie in memory twice.
-        const CHUNK: usize = 32 << 20;
-        let id = self.create_buffer(name, contents.len() as u64)?;
-        if contents.is_empty() {
-            return Ok(id);
-        }
-        let staging = self.create_upload_buffer("staging", &contents[..contents.len().min(CHUNK)])?;
-        for (i, chunk) in contents.chunks(CHUNK).enumerate() {
-            self.write_upload_buffer(staging, chunk);
-            let offset = (i * CHUNK) as u64;
-            self.submit(name, |commands| commands.copy_buffer(staging, 0, id, offset, chunk.len() as u64))?;
-        }
-        self.free_buffer(staging);
-        Ok(id)
-    }
-
-    /// An image without mips that holds `texels`, row by row, layer by layer, and nothing in particular where they end; shaders may
-    /// store to it where `storage`.
-    pub fn create_filled_image(&mut self, name: &str, format: Format, size: [u32; 3], texels: &[u8], storage: bool) -> Result<ImageId> {
-        /// Staged at a time, as in [`Self::create_filled_buffer`].
-        const CHUNK: usize = 32 << 20;
-        let [width, height, layers] = size;
-        let row = width as usize * format.texel_bytes();
-        assert!(texels.len() <= row * height as usize * layers as usize, "{name}: more texels than {width}x{height}x{layers} hold");
-        let desc = ImageDesc { format, width, height, layers, mips: 1, attachment: false, storage };
-        let id = self.create_images(&[(name, desc)])?[0];
-        let rows = (CHUNK / row).clamp(1, height as usize);
-        let staging = self.create_upload_buffer("staging", &vec![0; rows * row])?;
-        for (layer, texels) in texels.chunks(row * height as usize).enumerate() {
-            for (i, chunk) in texels.chunks(rows * row).enumerate() {
-                self.write_upload_buffer(staging, chunk);
-                let (first, count) = ((i * rows) as u32, chunk.len().div_ceil(row) as u32);
-                self.submit(name, |commands| commands.copy_buffer_to_image_rows(staging, id, layer as u32, first, count))?;
-            }
-        }
-        self.free_buffer(staging);
-        Ok(id)
-    }
-
-    /// A sampled image array: one RGBA8 image a layer, all of the same size, with all mips.
-    pub fn create_texture_array(&mut self, name: &str, format: Format, size: [u32; 2], layers: &[&[u8]]) -> Result<ImageId> {
-        let [width, height] = size;
-        let mips = width.max(height).ilog2() + 1;
-        let desc = ImageDesc { format, width, height, layers: layers.len() as u32, mips, attachment: false, storage: false };
-        let id = self.create_images(&[(name, desc)]).with_context(|| format!("{} textures of {width}x{height}", layers.len()))?[0];
-        let Some(first) = layers.first() else { return Ok(id) };
-        let staging = self.create_upload_buffer("staging", first)?;
-        for (layer, texels) in layers.iter().enumerate() {
-            assert_eq!(texels.len(), (width * height) as usize * format.texel_bytes(), "{name}: a texture of the wrong size");
-            self.write_upload_buffer(staging, texels);
-            self.submit(name, |commands| commands.copy_buffer_to_image(staging, id, layer as u32))?;
-        }
-        self.free_buffer(staging);
-        self.submit(name, |commands| {
-            for mip in 1..mips {
-                let both = Accesses::TRANSFER_READ | Accesses::TRANSFER_WRITE;
-                let (from, to) = (Stages::TRANSFER, Stages::TRANSFER);
-                commands.barrier(&Barrier { from, written: Accesses::TRANSFER_WRITE, to, needed: both });
-                commands.halve_into_mip(id, mip);
-            }
-        })?;
-        Ok(id)
+        let slot = self.memory.images.remove(id.0);
+        self.memory.free_image(&self.device, slot);
     }
 
     fn name_object<T: vk::Handle>(&self, handle: T, name: &str) {

@@ -17,7 +17,9 @@ mod format;
 mod memory;
 mod pipeline;
 mod shader;
+mod slots;
 mod types;
+mod upload;
 
 pub use adapter::{Adapter, DeviceChoice, Feature};
 pub use commands::{Attachment, Commands, Load};

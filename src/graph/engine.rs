@@ -92,6 +92,11 @@ impl Engine {
         self.library.key(path)
     }
 
+    /// A hash of all shaders' sources and of the compiler.
+    pub fn shaders_key(&self) -> blake3::Hash {
+        self.library.key_of_all()
+    }
+
     /// How many pipelines have been made so far.
     pub fn pipelines_made(&self) -> usize {
         self.pipelines.len()

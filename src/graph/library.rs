@@ -98,11 +98,26 @@ impl Library {
         self.sources.get(path).ok_or_else(|| fail!(BadInput, "glsl/{path}: there is no such shader"))
     }
 
-    /// Of everything that the compiler will read, and of the compiler.
-    pub fn key(&self, path: &str) -> Result<blake3::Hash> {
+    /// A hash of all sources and of the compiler.
+    pub fn key_of_all(&self) -> blake3::Hash {
+        let mut hasher = Self::hasher("");
+        for (path, source) in &self.sources {
+            hasher.update(path.as_bytes()).update(&[0]).update(source.as_bytes()).update(&[0]);
+        }
+        hasher.finalize()
+    }
+
+    /// Of the compiler, and of what it is to compile.
+    fn hasher(path: &str) -> blake3::Hasher {
         let mut hasher = blake3::Hasher::new();
         let (version, revision) = shaderc::get_spirv_version();
         hasher.update(format!("{OPTIONS} {version} {revision} {path}\0").as_bytes());
+        hasher
+    }
+
+    /// Of everything that the compiler will read, and of the compiler.
+    pub fn key(&self, path: &str) -> Result<blake3::Hash> {
+        let mut hasher = Self::hasher(path);
         let mut open = vec![path.to_owned()];
         let mut seen = BTreeSet::new();
         while let Some(path) = open.pop() {
@@ -201,6 +216,16 @@ mod tests {
         let key = |x: &str, y: &str| library(&[main, ("lib/x.glsl", x), ("lib/y.glsl", y)]).key("a.comp").unwrap();
         assert_eq!(key("1", "1"), key("1", "2"));
         assert_ne!(key("1", "1"), key("2", "1"));
+    }
+
+    #[test]
+    fn the_key_of_all_changes_with_any_file_its_name_and_its_text() {
+        let key = |files: &[(&str, &str)]| library(files).key_of_all();
+        let known = key(&[("a.comp", "1"), ("lib/x.glsl", "2")]);
+        assert_eq!(key(&[("lib/x.glsl", "2"), ("a.comp", "1")]), known);
+        for other in [&[("a.comp", "1")][..], &[("a.comp", "1"), ("lib/x.glsl", "3")], &[("a.comp", "1"), ("lib/y.glsl", "2")]] {
+            assert_ne!(key(other), known);
+        }
     }
 
     #[test]

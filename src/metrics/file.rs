@@ -133,17 +133,17 @@ mod tests {
     use super::*;
     use crate::error::{Exit, exit_code};
     use crate::output::exr::Precision;
-    use crate::output::{Layer, write_exr, write_png};
+    use crate::output::{ExrLayer, write_exr, write_png};
     use std::path::PathBuf;
 
     const PIXELS: usize = 6;
 
-    fn layer(name: &str, letters: &str, first: f32) -> Layer {
+    fn layer(name: &str, letters: &str, first: f32) -> ExrLayer {
         let values: Vec<f32> = (0..PIXELS * letters.len()).map(|i| first + i as f32).collect();
-        Layer::interleaved(name, letters, letters.len(), &values, Precision::Float)
+        ExrLayer::interleaved(name, letters, letters.len(), &values, Precision::Float)
     }
 
-    fn write(folder: &tempfile::TempDir, layers: Vec<Layer>) -> PathBuf {
+    fn write(folder: &tempfile::TempDir, layers: Vec<ExrLayer>) -> PathBuf {
         let path = folder.path().join("image.exr");
         write_exr(&path, 3, 2, layers, &[]).unwrap();
         path
@@ -210,12 +210,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut values = vec![1.0; PIXELS * 3];
         values[4 * 3 + 2] = f32::NAN;
-        let layer = Layer::interleaved("direct", "RGB", 3, &values, Precision::Half);
+        let layer = ExrLayer::interleaved("direct", "RGB", 3, &values, Precision::Half);
         let file = ImageFile::open(&write(&folder, vec![layer])).unwrap();
         let error = format!("{:#}", file.layer(&names("direct")).unwrap_err());
         assert!(error.ends_with("image.exr: layer direct: channel B is not a number at pixel (1, 1)"), "{error}");
         // Nor does a sum hide that it left the range of numbers.
-        let far = Layer::interleaved("far", "Z", 1, &[f32::MAX; PIXELS], Precision::Float);
+        let far = ExrLayer::interleaved("far", "Z", 1, &[f32::MAX; PIXELS], Precision::Float);
         let error = format!("{:#}", ImageFile::open(&write(&folder, vec![far])).unwrap().layer(&names("far.Z+far.Z")).unwrap_err());
         assert!(error.ends_with("image.exr: layer far.Z+far.Z: channel Z is infinite at pixel (0, 0)"), "{error}");
     }

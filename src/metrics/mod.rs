@@ -8,11 +8,13 @@ pub mod flicker;
 mod flip;
 mod heatmap;
 mod image;
+mod layers;
 
 pub use file::ImageFile;
 pub use flip::Exposures;
 pub use heatmap::heatmap;
 pub use image::{Content, Image};
+pub use layers::{Intensity, LayerPair};
 
 use crate::color::luminance;
 use crate::fail;

@@ -1,7 +1,7 @@
 //! OpenEXR images: one part, layers told apart by the channels' names.
 
-use super::file::write_file;
 use crate::fail;
+use crate::files::write_file;
 use ::exr::prelude::{self as e, ReadChannels, ReadLayers, WritableImage};
 use anyhow::{Result, anyhow};
 use std::collections::BTreeMap;
@@ -47,14 +47,14 @@ pub enum Precision {
 
 /// A layer of an image: `direct` with the channels `R`, `G`, `B` is stored as `direct.R`, `direct.G`, `direct.B`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Layer {
+pub struct ExrLayer {
     /// Empty for the channels without prefix (`R`, `G`, `B`, `A`, `Z`).
     pub name: String,
     /// The channels' own names (`R`, `X`, ...) and their samples, `width * height` each.
     pub channels: Vec<(String, Samples)>,
 }
 
-impl Layer {
+impl ExrLayer {
     /// A layer out of interleaved pixels as they are read back: `stride` numbers a pixel, of which the first become the
     /// channels that `names` spells, one letter each (`"RGB"`, `"XYZ"`, `"Z"`).
     pub fn interleaved(name: &str, names: &str, stride: usize, values: &[f32], precision: Precision) -> Self {
@@ -78,14 +78,14 @@ impl Layer {
 ///
 /// # Errors
 /// `OutputNotWritten` with the path and the reason; no file is left then.
-pub fn write_exr(path: &Path, width: u32, height: u32, layers: Vec<Layer>, metadata: &[(&str, String)]) -> Result<()> {
+pub fn write_exr(path: &Path, width: u32, height: u32, layers: Vec<ExrLayer>, metadata: &[(&str, String)]) -> Result<()> {
     write_file(path, &encode(width, height, layers, metadata)?)
 }
 
-fn encode(width: u32, height: u32, layers: Vec<Layer>, metadata: &[(&str, String)]) -> Result<Vec<u8>> {
+fn encode(width: u32, height: u32, layers: Vec<ExrLayer>, metadata: &[(&str, String)]) -> Result<Vec<u8>> {
     let pixels = width as usize * height as usize;
     let mut list = e::SmallVec::new();
-    for Layer { name: layer, channels } in layers {
+    for ExrLayer { name: layer, channels } in layers {
         for (channel, samples) in channels {
             let name = if layer.is_empty() { channel } else { format!("{layer}.{channel}") };
             assert_eq!(samples.len(), pixels, "channel {name} does not fit an image of {width}x{height}");
@@ -171,13 +171,13 @@ mod tests {
     const HEIGHT: u32 = 41;
 
     /// Depths, positions and colours that use the full mantissa.
-    fn layers() -> Vec<Layer> {
+    fn layers() -> Vec<ExrLayer> {
         let values: Vec<f32> = (0..WIDTH * HEIGHT * 4).map(|i| (i as f32 * 0.37).sin() * 3.0 + 0.1).collect();
         vec![
-            Layer::interleaved("", "RGBA", 4, &values, Precision::Half),
-            Layer::interleaved("", "Z", 4, &values, Precision::Float),
-            Layer::interleaved("direct", "RGB", 4, &values, Precision::Half),
-            Layer::interleaved("P", "XYZ", 4, &values, Precision::Float),
+            ExrLayer::interleaved("", "RGBA", 4, &values, Precision::Half),
+            ExrLayer::interleaved("", "Z", 4, &values, Precision::Float),
+            ExrLayer::interleaved("direct", "RGB", 4, &values, Precision::Half),
+            ExrLayer::interleaved("P", "XYZ", 4, &values, Precision::Float),
         ]
     }
 
@@ -248,7 +248,7 @@ mod tests {
     fn a_black_image_is_not_taken_for_a_lie() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("black.exr");
-        let black = Layer { name: String::new(), channels: vec![("R".into(), Samples::half(vec![0.0; 4096 * 1024]))] };
+        let black = ExrLayer { name: String::new(), channels: vec![("R".into(), Samples::half(vec![0.0; 4096 * 1024]))] };
         write_exr(&path, 4096, 1024, vec![black], &[]).unwrap();
         assert!(read_exr(&path).unwrap().channels["R"].iter().all(|&v| v == 0.0));
     }
@@ -272,7 +272,7 @@ mod tests {
     fn a_flipped_bit_anywhere_ends_in_an_image_or_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("flipped.exr");
-        let good = encode(8, 8, vec![Layer::interleaved("", "R", 1, &[0.5; 64], Precision::Half)], &[("a", "b".into())]).unwrap();
+        let good = encode(8, 8, vec![ExrLayer::interleaved("", "R", 1, &[0.5; 64], Precision::Half)], &[("a", "b".into())]).unwrap();
         let mut refused = 0;
         for at in 0..good.len() {
             let mut bytes = good.clone();

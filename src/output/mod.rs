@@ -1,18 +1,14 @@
-//! What a run leaves behind: OpenEXR and PNG images, `run.json`, `timings.csv`.
+//! Images: a frame's picture, OpenEXR and PNG files.
 //!
-//! Every file appears whole or not at all ([`file`]), and the same content is always the same bytes.
+//! Every file appears whole or not at all ([`crate::files`]), and the same content is always the same bytes.
 
 pub mod exr;
-pub mod file;
 pub mod picture;
 pub mod png;
-pub mod run;
 
-pub use self::exr::{Exr, Layer, Samples, read_exr, write_exr};
-pub use self::file::{prepare_folder, write_file};
+pub use self::exr::{Exr, ExrLayer, Samples, read_exr, write_exr};
 pub use self::picture::{Picture, Plane};
 pub use self::png::{Png, png_bytes, read_png, write_png};
-pub use self::run::RunReport;
 
 use std::path::{Path, PathBuf};
 

@@ -1,5 +1,7 @@
 //! A frame's images on the host, as numbers.
 
+use super::exr::{ExrLayer, Precision};
+use crate::config::Layer;
 use crate::gpu::Format;
 use crate::scene::pack::octahedral_inverse;
 use crate::world::projection::View;
@@ -72,5 +74,26 @@ impl Picture {
             if *depth > 0.0 { octahedral_inverse(Vec2::new(x, y)) } else { Vec3::ZERO }
         };
         self.depth.values.iter().enumerate().map(normal).collect()
+    }
+
+    /// The layers of its EXR: its radiance without a name, and those that are asked for.
+    pub fn layers(&self, wanted: &[Layer]) -> Vec<ExrLayer> {
+        let color = |name: &str, plane: &Plane| ExrLayer::interleaved(name, "RGB", plane.channels, &plane.values, Precision::Half);
+        let radiance = &self.radiance;
+        let mut layers = vec![ExrLayer::interleaved("", "RGBA", radiance.channels, &radiance.values, Precision::Half)];
+        let vectors = |name: &str, vectors: Vec<Vec3>| {
+            let values: Vec<f32> = vectors.iter().flat_map(|v| v.to_array()).collect();
+            ExrLayer::interleaved(name, "XYZ", 3, &values, Precision::Float)
+        };
+        layers.extend(wanted.iter().map(|layer| match layer {
+            Layer::Direct => color("direct", &self.direct),
+            Layer::Indirect => color("indirect", &self.indirect),
+            Layer::Irradiance => color("irradiance", &self.irradiance),
+            Layer::Albedo => color("albedo", &self.albedo),
+            Layer::Normal => vectors("N", self.normals()),
+            Layer::Position => vectors("P", self.positions()),
+            Layer::Depth => ExrLayer::interleaved("", "Z", 1, &self.distances(), Precision::Float),
+        }));
+        layers
     }
 }

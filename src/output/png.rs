@@ -1,7 +1,7 @@
 //! PNG images: what is shown, after tone mapping, as sRGB bytes.
 
-use super::file::write_file;
 use crate::fail;
+use crate::files::write_file;
 use anyhow::{Context, Result};
 use std::io::Cursor;
 use std::path::Path;

@@ -1,11 +1,11 @@
 //! The path tracer's sums as a file, and its picture.
 
-use super::{Layer, Sums};
+use super::{Sum, Sums};
 use crate::color::{linear_to_srgb8, luminance};
 use crate::config::{ComposeConfig, Tonemap};
 use crate::fail;
 use crate::output::exr::Precision;
-use crate::output::{Layer as ExrLayer, read_exr, write_exr};
+use crate::output::{ExrLayer, read_exr, write_exr};
 use anyhow::Result;
 use glam::Vec3;
 use std::path::Path;
@@ -21,7 +21,7 @@ pub fn save_sums(path: &Path, identity: &str, sums: &Sums) -> Result<()> {
 
 /// What the planes of the sums are called in the file, in order.
 fn names(bounces: u32) -> Vec<String> {
-    let layers: Vec<String> = Layer::all(bounces).into_iter().map(|(name, _)| name).collect();
+    let layers: Vec<String> = Sum::all(bounces).into_iter().map(|(name, _)| name).collect();
     let rests = layers.iter().map(|name| format!("{name}.rest"));
     layers.iter().cloned().chain(rests).collect()
 }
@@ -79,5 +79,5 @@ pub fn develop(sums: &Sums, config: &ComposeConfig) -> Vec<u8> {
         let [r, g, b] = shown.to_array().map(|light| linear_to_srgb8(light.into()));
         [r, g, b, 255]
     };
-    sums.mean(Layer::Radiance).into_iter().flat_map(pixel).collect()
+    sums.mean(Sum::Radiance).into_iter().flat_map(pixel).collect()
 }

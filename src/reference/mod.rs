@@ -10,7 +10,7 @@ mod sums;
 
 pub use files::{develop, load_sums, save_sums};
 pub use identity::{identity, scene_digest};
-pub use sums::{Layer, Sums};
+pub use sums::{Sum, Sums};
 
 use crate::color::luminance;
 use crate::config::{Config, Dielectric};
@@ -126,7 +126,7 @@ impl Tracer {
             ));
         }
         let [width, height] = config.frame.size.map(u128::from);
-        if width * height * u128::from(2 * Layer::count(settings.bounces)) * 16 > MAX_DECODED_BYTES {
+        if width * height * u128::from(2 * Sum::count(settings.bounces)) * 16 > MAX_DECODED_BYTES {
             return Err(fail!(
                 BadInput,
                 "frame.size: {width}x{height} pixels with {} bounces are more than a file of sums holds; lower --bounces or the size",
@@ -180,7 +180,7 @@ impl Tracer {
     }
 
     fn sums_size(&self) -> ([u32; 2], u32) {
-        ([self.view.width, self.view.height], 2 * Layer::count(self.settings.bounces))
+        ([self.view.width, self.view.height], 2 * Sum::count(self.settings.bounces))
     }
 
     /// One more path through every pixel. How many rays that took, and the device's time in milliseconds.

@@ -2,7 +2,7 @@
 
 /// A layer of the sums, as `glsl/reference/path.comp` numbers them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Layer {
+pub enum Sum {
     /// All light; the fourth channel counts the paths that met a surface.
     Radiance,
     /// Sum of the squared differences of the radiance from its mean (Welford 1962).
@@ -16,7 +16,7 @@ pub enum Layer {
     Bounce(u32),
 }
 
-impl Layer {
+impl Sum {
     fn index(self) -> usize {
         match self {
             Self::Radiance => 0,
@@ -58,12 +58,12 @@ impl Sums {
     /// Of no path.
     pub fn new(size: [u32; 2], bounces: u32) -> Self {
         let pixels = size[0] as usize * size[1] as usize;
-        Self { size, bounces, samples: 0, texels: vec![[0.0; 4]; 2 * pixels * Layer::count(bounces) as usize] }
+        Self { size, bounces, samples: 0, texels: vec![[0.0; 4]; 2 * pixels * Sum::count(bounces) as usize] }
     }
 
     /// Of the image that holds them.
     pub fn image_layers(&self) -> u32 {
-        2 * Layer::count(self.bounces)
+        2 * Sum::count(self.bounces)
     }
 
     pub fn pixels(&self) -> usize {
@@ -71,15 +71,15 @@ impl Sums {
     }
 
     /// A layer's sums.
-    pub fn layer(&self, layer: Layer) -> Vec<[f64; 4]> {
-        let (at, rest_at) = (layer.index(), layer.index() + Layer::count(self.bounces) as usize);
+    pub fn layer(&self, layer: Sum) -> Vec<[f64; 4]> {
+        let (at, rest_at) = (layer.index(), layer.index() + Sum::count(self.bounces) as usize);
         let plane = |at: usize| &self.texels[at * self.pixels()..][..self.pixels()];
         let both = |(sum, rest): (&[f32; 4], &[f32; 4])| std::array::from_fn(|i| f64::from(sum[i]) + f64::from(rest[i]));
         plane(at).iter().zip(plane(rest_at)).map(both).collect()
     }
 
     /// A layer's means.
-    pub fn mean(&self, layer: Layer) -> Vec<[f32; 4]> {
+    pub fn mean(&self, layer: Sum) -> Vec<[f32; 4]> {
         let n = f64::from(self.samples.max(1));
         self.layer(layer).into_iter().map(|texel| texel.map(|sum| (sum / n) as f32)).collect()
     }
@@ -88,7 +88,7 @@ impl Sums {
     pub fn indirect(&self) -> Vec<[f32; 4]> {
         let mut sum = vec![[0.0; 4]; self.pixels()];
         for k in 1..=self.bounces {
-            for (sum, mean) in sum.iter_mut().zip(self.mean(Layer::Bounce(k))) {
+            for (sum, mean) in sum.iter_mut().zip(self.mean(Sum::Bounce(k))) {
                 *sum = std::array::from_fn(|i| sum[i] + mean[i]);
             }
         }
@@ -99,13 +99,13 @@ impl Sums {
     pub fn variance(&self) -> Vec<[f32; 3]> {
         let n = f64::from(self.samples);
         let of = |spread: f64| if self.samples > 1 { (spread.max(0.0) / (n * (n - 1.0))) as f32 } else { f32::INFINITY };
-        self.layer(Layer::Spread).iter().map(|texel| [of(texel[0]), of(texel[1]), of(texel[2])]).collect()
+        self.layer(Sum::Spread).iter().map(|texel| [of(texel[0]), of(texel[1]), of(texel[2])]).collect()
     }
 
     /// Root mean square over pixels and channels of the standard error, over the mean of the radiance: the relative error that
     /// `--target-error` asks for. Infinite as long as it is unknown.
     pub fn relative_error(&self) -> f64 {
-        let mean = self.mean(Layer::Radiance).iter().flat_map(|texel| texel[..3].to_vec()).map(f64::from).sum::<f64>();
+        let mean = self.mean(Sum::Radiance).iter().flat_map(|texel| texel[..3].to_vec()).map(f64::from).sum::<f64>();
         let variance = self.variance().iter().flatten().map(|v| f64::from(*v)).sum::<f64>();
         let count = 3.0 * self.pixels() as f64;
         // A picture that is still black may have light that no path has found.

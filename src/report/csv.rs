@@ -11,17 +11,12 @@ pub fn timings_csv(times: &[PassTime], from: &Provenance) -> Result<Vec<u8>> {
 fn table(times: &[PassTime], from: &Provenance) -> Result<Vec<u8>> {
     let mut csv = ::csv::Writer::from_writer(Vec::new());
     csv.write_record(["frame", "pass", "stage", "ms", "mode", "device", "driver", "width", "height", "preset", "version"])?;
-    let device = format!("{} [{}]", from.device.name, from.device.kind);
-    let (driver, width, height) = (from.device.driver_label(), from.width.to_string(), from.height.to_string());
+    let known = from.known();
     for time in times {
         // A timestamp counts nanoseconds at best.
         let (frame, ms) = (time.frame.to_string(), format!("{:.6}", time.ms));
         let figure = [frame.as_str(), &time.pass, time.stage(), &ms];
-        csv.write_record(
-            figure
-                .into_iter()
-                .chain([&from.timing_mode, &device, &driver, &width, &height, &from.preset, &from.version].map(String::as_str)),
-        )?;
+        csv.write_record(figure.into_iter().chain(known.iter().map(|(_, what)| what.as_str())))?;
     }
     Ok(csv.into_inner()?)
 }

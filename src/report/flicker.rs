@@ -47,9 +47,8 @@ const HEADER: [&str; 18] = [
 fn table(lines: &[FlickerLine], layer: &str, from: &Provenance) -> Result<Vec<u8>> {
     let mut csv = ::csv::Writer::from_writer(Vec::new());
     csv.write_record(HEADER)?;
-    let device = format!("{} [{}]", from.device.name, from.device.kind);
-    let origin =
-        [device, from.device.driver_label(), from.width.to_string(), from.height.to_string(), from.preset.clone(), from.version.clone()];
+    // Flicker does not depend on how passes were timed.
+    let [_, known @ ..] = from.known();
     // The shortest text that is read back as the same number.
     let figure = |figure: Option<f64>| figure.map(|figure| figure.to_string()).unwrap_or_default();
     for line in lines {
@@ -69,7 +68,7 @@ fn table(lines: &[FlickerLine], layer: &str, from: &Provenance) -> Result<Vec<u8
             figure(line.excess),
             figure(line.rmse),
         ];
-        csv.write_record(cells.iter().chain(&origin))?;
+        csv.write_record(cells.iter().chain(known.iter().map(|(_, what)| what)))?;
     }
     Ok(csv.into_inner()?)
 }

@@ -10,7 +10,7 @@ pub fn paste_line(timings: &Timings, from: &Provenance, changes: &[String]) -> S
         format!("manylight {}", from.version),
         preset,
         format!("{}x{}", from.width, from.height),
-        format!("{} [{}]", from.device.name, from.device.kind),
+        from.device.label(),
         from.device.driver_label(),
         from.timing_mode.clone(),
         format!("n={}", timings.total.map_or(0, |total| total.n)),

@@ -7,6 +7,7 @@ mod flicker;
 pub mod html;
 mod line;
 mod memory;
+mod run;
 mod statistics;
 mod table;
 
@@ -14,6 +15,7 @@ pub use self::csv::timings_csv;
 pub use self::flicker::{FlickerLine, flicker_csv};
 pub use self::line::paste_line;
 pub use self::memory::{Memory, counts_table, memory_table};
+pub use self::run::{RunReport, resolved};
 pub use self::statistics::{Row, Statistics, Timings};
 pub use self::table::timing_table;
 
@@ -58,6 +60,26 @@ pub struct Provenance {
     pub height: u32,
 }
 
+impl Provenance {
+    /// What stands beside every figure in a file, by name.
+    pub fn known(&self) -> [(&'static str, String); 7] {
+        [
+            ("timing_mode", self.timing_mode.clone()),
+            ("device", self.device.label()),
+            ("driver", self.device.driver_label()),
+            ("width", self.width.to_string()),
+            ("height", self.height.to_string()),
+            ("preset", self.preset.clone()),
+            ("version", self.version.clone()),
+        ]
+    }
+
+    /// What an image says of where it comes from.
+    pub fn of_image(&self) -> [(&'static str, String); 3] {
+        [("version", self.version.clone()), ("preset", self.preset.clone()), ("device", self.device.name.clone())]
+    }
+}
+
 /// A device and its driver, as they name themselves.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Device {
@@ -69,6 +91,11 @@ pub struct Device {
 }
 
 impl Device {
+    /// The name with its kind: `llvmpipe (LLVM 15.0.6, 256 bits) [cpu]`.
+    pub fn label(&self) -> String {
+        format!("{} [{}]", self.name, self.kind)
+    }
+
     /// The driver with its version, which some drivers' version text repeats.
     pub fn driver_label(&self) -> String {
         match self.driver_version.as_str() {

@@ -48,15 +48,14 @@ fn cells(name: &str, row: &Row) -> [String; 5] {
 
 fn caption(from: &Provenance, frames: usize) -> String {
     format!(
-        "ms a frame, {} timing, {frames} {} of {}x{}, {}, manylight {}\n{} [{}], {}",
+        "ms a frame, {} timing, {frames} {} of {}x{}, {}, manylight {}\n{}, {}",
         from.timing_mode,
         if frames == 1 { "frame" } else { "frames" },
         from.width,
         from.height,
         from.preset,
         from.version,
-        from.device.name,
-        from.device.kind,
+        from.device.label(),
         from.device.driver_label(),
     )
 }

@@ -350,3 +350,9 @@ fn sample(g: &mut Graph, clusters: &Clusters, config: &BounceConfig) -> Vpls {
         .dispatch([count, 1, 1]);
     vpls
 }
+
+/// What a user should know who renders a sequence in parts.
+pub fn warning_of_parts(config: &Config) -> Option<String> {
+    let warning = "clusters go on from frame to frame (bounce.centers), and parts of a sequence start anew: where lights move, pictures are not those of the whole sequence";
+    (has_clusters(config) && config.bounce.centers == Centers::Kept).then(|| warning.to_owned())
+}

@@ -26,6 +26,7 @@ use crate::scene::Light;
 use anyhow::Result;
 use facts::Facts;
 use methods::Method;
+use std::collections::BTreeMap;
 
 /// All methods of all slots of the frame, in its order.
 pub fn methods() -> Vec<Method> {
@@ -64,6 +65,13 @@ pub fn methods_of(config: &Config) -> Vec<Method> {
     methods
 }
 
+/// The stages by name, in the frame's order: what stands before the slash in the name of a pass.
+pub fn names() -> Vec<&'static str> {
+    let mut names: Vec<&str> = methods().into_iter().map(|method| method.slot.split('.').next().unwrap_or(method.slot)).collect();
+    names.dedup();
+    names
+}
+
 /// Whether a config's frames trace rays.
 pub fn needs_rays(config: &Config) -> bool {
     visibility::needs_rays(config) || config.direct.shadows == Shadows::RayTraced
@@ -86,6 +94,16 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
 /// What a user should know of how a config is rendered under these lights.
 pub fn warnings(config: &Config, lights: &[Light], vpls: u32) -> Vec<String> {
     [rsm::warnings(lights), bounce::warnings(config, vpls)].concat()
+}
+
+/// What a user should know who renders a config's sequence in parts.
+pub fn warnings_of_parts(config: &Config) -> Vec<String> {
+    bounce::warning_of_parts(config).into_iter().collect()
+}
+
+/// What follows from what a frame's passes counted, by name: means a pixel, and shares.
+pub fn means(counts: &BTreeMap<String, u64>) -> BTreeMap<String, f64> {
+    gather::means(counts)
 }
 
 /// What a user should know of how a frame went, by what its passes counted.

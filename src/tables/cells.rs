@@ -2,8 +2,8 @@
 
 use super::plan::{Plan, Run};
 use super::{Against, Figure, Table, What};
-use crate::metrics::{self, ImageFile, Measures};
-use crate::output::write_file;
+use crate::files::write_file;
+use crate::metrics::{self, ImageFile, LayerPair, Measures};
 use crate::report::{Device, Statistics};
 use crate::{cache, fail};
 use anyhow::{Context, Result};
@@ -86,10 +86,10 @@ pub fn begin(folder: &Path, run: &Run) -> Result<()> {
     }
 }
 
-/// Whether this version of the program has done a run.
-pub fn is_current(folder: &Path, run: &Run) -> bool {
+/// Whether this version of the program has done a run, with the shaders of this key.
+pub fn is_current(folder: &Path, run: &Run, shaders: &str) -> bool {
     let record = read_json(&run_folder(folder, run).join(RECORD));
-    record.is_ok_and(|record| record["version"] == env!("CARGO_PKG_VERSION"))
+    record.is_ok_and(|record| record["version"] == env!("CARGO_PKG_VERSION") && record["shaders"] == shaders)
 }
 
 /// Whether a run has left everything. Its record is written last.
@@ -106,7 +106,7 @@ const TIMINGS: &str = "timings.csv";
 /// Works all cells out.
 ///
 /// # Errors
-/// `BadInput` where a file of a run is damaged, or runs of several devices or versions stand side by side.
+/// `BadInput` where a file of a run is damaged, or runs of several devices, versions or shaders stand side by side.
 pub fn results(table: &Table, plan: &Plan, folder: &Path) -> Result<Results> {
     let mut records = BTreeMap::new();
     for run in plan.runs.iter().filter(|run| is_done(folder, run)) {
@@ -161,23 +161,23 @@ pub fn results(table: &Table, plan: &Plan, folder: &Path) -> Result<Results> {
     })
 }
 
-/// Device and timing mode that all runs have in common.
+/// Device and timing mode of the runs, which have them, the version and the shaders in common.
 fn origin(folder: &Path, records: &BTreeMap<&str, Value>) -> Result<Option<(Device, String)>> {
-    let mut found: Option<(&str, &Value, &Value, &Value)> = None;
+    let mut found: Option<(&str, [&Value; 4])> = None;
     for (key, record) in records {
-        let (device, mode, version) = (&record["device"], &record["timing_mode"], &record["version"]);
+        let own = ["device", "timing_mode", "version", "shaders"].map(|what| &record[what]);
         match found {
-            Some((other, a, b, c)) if (a, b, c) != (device, mode, version) => {
+            Some((other, of_other)) if of_other != own => {
                 return Err(fail!(
                     BadInput,
-                    "{}: runs {other} and {key} come from different devices, timing modes or versions, whose figures do not go into one table; remove one of them",
+                    "{}: runs {other} and {key} come from different devices, timing modes, versions or shaders, whose figures do not go into one table; remove one of them",
                     folder.display()
                 ));
             }
-            _ => found = Some((key, device, mode, version)),
+            _ => found = Some((key, own)),
         }
     }
-    let Some((key, device, mode, _)) = found else { return Ok(None) };
+    let Some((key, [device, mode, ..])) = found else { return Ok(None) };
     let text = |name: &str| device[name].as_str().map(str::to_owned);
     let read = || {
         let device = Device { name: text("name")?, kind: text("kind")?, driver: text("driver")?, driver_version: text("driver_version")? };
@@ -282,12 +282,12 @@ impl Source<'_> {
                 if !other.join(RECORD).is_file() {
                     return Ok(Err("the run that it is measured against is missing".to_owned()));
                 }
-                let key = (own.join(IMAGE), other.join(IMAGE), layer.label());
+                let key = (own.join(IMAGE), other.join(IMAGE), layer.to_string());
                 if !self.compared.contains_key(&key) {
                     let measures = compare(&key.0, &key.1, layer)?;
                     self.compared.insert(key.clone(), measures);
                 }
-                figure_of(&self.compared[&key], *figure).ok_or_else(|| format!("{} has no {}", layer.label(), figure.name()))
+                figure_of(&self.compared[&key], *figure).ok_or_else(|| format!("{layer} has no {}", figure.name()))
             }
             What::Ratio { .. } => unreachable!("ratios are of cells"),
         })
@@ -339,10 +339,10 @@ fn memory(memory: &Value, of: &str) -> Option<f64> {
     memory[if of.contains('/') { "resources" } else { "stages" }][of].as_f64()
 }
 
-fn compare(test: &Path, reference: &Path, layer: &super::LayerPair) -> Result<Measures> {
+fn compare(test: &Path, reference: &Path, layer: &LayerPair) -> Result<Measures> {
     let of = |path: &Path, names: &[String]| ImageFile::open(path)?.layer(names);
     let compared = metrics::compare(&of(test, &layer.test)?, &of(reference, &layer.reference)?);
-    Ok(compared.with_context(|| format!("{} and {}: layer {}", test.display(), reference.display(), layer.label()))?.measures)
+    Ok(compared.with_context(|| format!("{} and {}: layer {layer}", test.display(), reference.display()))?.measures)
 }
 
 fn figure_of(measures: &Measures, figure: Figure) -> Option<f64> {

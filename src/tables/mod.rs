@@ -14,7 +14,7 @@ pub use cells::{Cell, Results};
 pub use plan::{Names, Plan, Run};
 
 use crate::config::tree::{Node, Origin};
-use crate::walk::Intensity;
+use crate::metrics::{Intensity, LayerPair};
 
 #[cfg(test)]
 mod tests;
@@ -110,13 +110,6 @@ pub enum What {
     Memory { of: String },
 }
 
-/// A layer of the test and the one of the reference; each the sum of those named.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LayerPair {
-    pub test: Vec<String>,
-    pub reference: Vec<String>,
-}
-
 /// A figure of [`crate::metrics::Measures`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Figure {
@@ -176,7 +169,7 @@ impl What {
         match self {
             Self::Time { of } => format!("time of {of}"),
             Self::Ratio { .. } => "ratio".to_owned(),
-            Self::Error { figure, layer, .. } => format!("{} of {}", figure.name(), layer.label()),
+            Self::Error { figure, layer, .. } => format!("{} of {layer}", figure.name()),
             Self::Flicker { layer } => format!("flicker of {}", layer.name()),
             Self::Count { of } => format!("count {of}"),
             Self::Memory { of } => format!("memory of {of}"),
@@ -190,12 +183,5 @@ impl What {
             Self::Memory { .. } => "bytes",
             Self::Error { .. } | Self::Flicker { .. } | Self::Count { .. } => "",
         }
-    }
-}
-
-impl LayerPair {
-    pub fn label(&self) -> String {
-        let [test, reference] = [&self.test, &self.reference].map(|names| names.join("+"));
-        if test == reference { test } else { format!("{test}={reference}") }
     }
 }

@@ -4,7 +4,7 @@ use super::{Against, Table, What};
 use crate::config::check::error;
 use crate::config::tree::quoted;
 use crate::config::{Config, nearest, to_toml};
-use crate::walk::Intensity;
+use crate::metrics::Intensity;
 use anyhow::{Context, Result};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -74,10 +74,7 @@ pub fn csv(results: &Results) -> Result<Vec<u8>> {
     ];
     put(&mut writer, head.map(str::to_owned).to_vec())?;
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
-    let (device, driver) = results
-        .device
-        .as_ref()
-        .map_or_else(Default::default, |device| (format!("{} [{}]", device.name, device.kind), device.driver_label()));
+    let (device, driver) = results.device.as_ref().map_or_else(Default::default, |device| (device.label(), device.driver_label()));
     for (row, cells) in results.rows.iter().zip(&results.cells) {
         for (column, cell) in results.columns.iter().zip(cells) {
             let own = [results.name.clone(), row.clone(), column.clone(), cell.measure.clone(), cell.unit.to_owned()];
@@ -160,9 +157,8 @@ fn notes(results: &Results) -> Vec<String> {
     let mut notes = Vec::new();
     match &results.device {
         Some(device) => notes.push(format!(
-            "ours: {} [{}], {}, {} timing, medians, manylight {}",
-            device.name,
-            device.kind,
+            "ours: {}, {}, {} timing, medians, manylight {}",
+            device.label(),
             device.driver_label(),
             results.timing_mode.as_deref().unwrap_or("unknown"),
             results.version

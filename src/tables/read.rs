@@ -1,21 +1,21 @@
 //! From a TOML file to a [`Table`]. Every mistake is refused by file, line and key before anything is rendered.
 
-use super::{Against, Figure, LayerPair, Line, Measure, Place, Published, ReferenceGoal, Table, What};
+use super::{Against, Figure, Line, Measure, Place, Published, ReferenceGoal, Table, What};
 use crate::config::check::error;
 use crate::config::tree::{Node, Origin, Table as Tree, Value, join, quoted};
 use crate::config::{Base, document, nearest};
+use crate::metrics::{Intensity, LayerPair};
 use crate::presets;
-use crate::walk::Intensity;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 
 /// Reads a table that would be at `path`, which relative bases and scenes start from. What stands for a scene is replaced by it where the
-/// folder `scenes` has its file; the deviations say which did not.
+/// folder `scenes` has its file; the deviations say which did not. Times are of `stages`, of their passes or of the frame.
 ///
 /// # Errors
 /// `BadInput` with file, line and key: unknown keys, presets and measures; cells without a measure; rows, columns and figures that
 /// do not fit each other.
-pub fn table(text: &str, path: &Path, scenes: Option<&Path>) -> Result<Table> {
+pub fn table(text: &str, path: &Path, scenes: Option<&Path>, stages: &[&str]) -> Result<Table> {
     let root = document(text, path)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let keys = [
@@ -43,8 +43,11 @@ pub fn table(text: &str, path: &Path, scenes: Option<&Path>) -> Result<Table> {
     .map(|(_, config)| config);
     let rows = lines(tree, "row", &root.origin, scenes, &mut stand_ins)?;
     let columns = lines(tree, "column", &root.origin, scenes, &mut stand_ins)?;
-    let names =
-        Names { rows: rows.iter().map(|l| l.0.name.clone()).collect(), columns: columns.iter().map(|l| l.0.name.clone()).collect() };
+    let names = Names {
+        rows: rows.iter().map(|l| l.0.name.clone()).collect(),
+        columns: columns.iter().map(|l| l.0.name.clone()).collect(),
+        stages,
+    };
     let finish = |lines: Vec<(Line, Option<&Node>)>, path: &str| -> Result<Vec<Line>> {
         let with_measure = |(i, (line, measure)): (usize, (Line, Option<&Node>))| {
             let measure = measure.map(|node| self::measure(node, &format!("{path}.{i}.measure"), &names)).transpose()?;
@@ -91,9 +94,11 @@ pub fn table(text: &str, path: &Path, scenes: Option<&Path>) -> Result<Table> {
     Ok(table)
 }
 
-struct Names {
+/// What measures may name.
+struct Names<'s> {
     rows: Vec<String>,
     columns: Vec<String>,
+    stages: &'s [&'s str],
 }
 
 /// A table's entries, none of them but those known.
@@ -271,7 +276,7 @@ fn measure(node: &Node, path: &str, names: &Names) -> Result<Measure> {
         several => return Err(error(&node.origin, path, format_args!("measures {} at once; give one", several.join(" and ")))),
     };
     if let What::Time { of } = &what {
-        of.split('+').try_for_each(|part| check_timed(part, &node.origin, path))?;
+        of.split('+').try_for_each(|part| check_timed(part, names.stages, &node.origin, path))?;
     }
     Ok(Measure { what, origin: node.origin.clone() })
 }
@@ -295,7 +300,7 @@ fn error_measure(node: &Node, path: &str, names: &Names) -> Result<What> {
         ));
     };
     let layer = match tree.get("layer") {
-        None => LayerPair { test: vec!["RGB".to_owned()], reference: vec!["RGB".to_owned()] },
+        None => LayerPair::radiance(),
         Some(node) => layer(node, &join(path, "layer"))?,
     };
     let against = match tree.get("against") {
@@ -311,13 +316,7 @@ fn error_measure(node: &Node, path: &str, names: &Names) -> Result<What> {
 }
 
 fn layer(node: &Node, path: &str) -> Result<LayerPair> {
-    let text = text_of(node, path)?;
-    let (test, reference) = text.split_once('=').unwrap_or((text, text));
-    let [test, reference] = [test, reference].map(|sum| sum.split('+').map(|name| name.trim().to_owned()).collect::<Vec<_>>());
-    if test.iter().chain(&reference).any(|name| name.is_empty() || name.contains('=')) {
-        return Err(error(&node.origin, path, "expects LAYER, LAYER+LAYER or TEST=REFERENCE, as in direct+indirect=RGB"));
-    }
-    Ok(LayerPair { test, reference })
+    LayerPair::parse(text_of(node, path)?).map_err(|expected| error(&node.origin, path, expected))
 }
 
 fn place(node: &Node, path: &str, names: &Names) -> Result<Place> {
@@ -340,11 +339,8 @@ fn place(node: &Node, path: &str, names: &Names) -> Result<Place> {
 }
 
 /// A stage is known by its name; a pass only to the frame that has it.
-fn check_timed(of: &str, origin: &Origin, path: &str) -> Result<()> {
-    let mut stages: Vec<&str> =
-        crate::stages::methods().into_iter().map(|method| method.slot.split('.').next().unwrap_or(method.slot)).collect();
-    stages.push("frame");
-    stages.dedup();
+fn check_timed(of: &str, stages: &[&str], origin: &Origin, path: &str) -> Result<()> {
+    let stages = [stages, &["frame"]].concat();
     let stage = of.split('/').next().unwrap_or(of);
     if stages.contains(&stage) {
         return Ok(());

@@ -2,10 +2,15 @@
 
 use super::cells::{self, reference_folder, run_folder};
 use super::plan::Sweep;
-use super::{Plan, Table, What, print, read};
-use crate::presets;
+use super::{Plan, Table, What, print};
+use crate::{presets, stages};
+use anyhow::Result;
 use serde_json::json;
 use std::path::Path;
+
+fn read(text: &str, path: &Path, scenes: Option<&Path>) -> Result<Table> {
+    super::read::table(text, path, scenes, &stages::names())
+}
 
 const SMALL: &str = r#"
 title = "Small"
@@ -44,14 +49,14 @@ own = true
 "#;
 
 fn small() -> Table {
-    read::table(SMALL, Path::new("small.toml"), None).unwrap_or_else(|error| panic!("{error:#}"))
+    read(SMALL, Path::new("small.toml"), None).unwrap_or_else(|error| panic!("{error:#}"))
 }
 
 #[test]
 fn every_table_that_comes_with_the_program_can_be_read_and_planned() {
     assert!(presets::tables().len() >= 2);
     for (name, text) in presets::tables() {
-        let table = read::table(text, &Path::new(name).with_extension("toml"), None).unwrap_or_else(|error| panic!("{error:#}"));
+        let table = read(text, &Path::new(name).with_extension("toml"), None).unwrap_or_else(|error| panic!("{error:#}"));
         let plan = Plan::of(&table, &Sweep { scale: 0.25, quick: true, sets: Vec::new() }).unwrap_or_else(|error| panic!("{error:#}"));
         assert!(!plan.runs.is_empty(), "{name}");
         assert!(!presets::title(text).is_empty(), "{name}: says nothing of itself in manylight list");
@@ -86,13 +91,13 @@ fn leave(folder: &Path, plan: &Plan, run: usize, gather: f64, kind: &str) {
     std::fs::create_dir_all(&own).unwrap();
     let row = |name: &str, ms: f64| json!({ "name": name, "median": ms, "p5": ms, "p95": ms, "n": 2, "share": 1.0 });
     let record = json!({
-        "version": "0.1.0", "timing_mode": "isolated",
+        "version": "0.1.0", "shaders": "a key", "timing_mode": "isolated",
         "device": { "name": "a device", "kind": kind, "driver": "a driver", "driver_version": "1" },
         "timings": { "stages": [row("gather", gather)], "passes": [row("gather/per-pixel", gather)], "total": row("", 2.0 * gather) },
     });
     std::fs::write(own.join("run.json"), record.to_string()).unwrap();
     let pixels = |value: f32| vec![value; 12];
-    let layer = crate::output::Layer::interleaved("irradiance", "RGB", 3, &pixels(run as f32), crate::output::exr::Precision::Float);
+    let layer = crate::output::ExrLayer::interleaved("irradiance", "RGB", 3, &pixels(run as f32), crate::output::exr::Precision::Float);
     crate::output::write_exr(&own.join("image.exr"), 2, 2, vec![layer], &[]).unwrap();
 }
 
@@ -134,9 +139,34 @@ fn runs_of_two_devices_do_not_go_into_one_table() {
 }
 
 #[test]
+fn a_run_is_current_while_version_and_shaders_are_the_same() {
+    let (table, folder) = (small(), tempfile::tempdir().unwrap());
+    let plan = Plan::of(&table, &Sweep::default()).unwrap();
+    let [first, second] = [&plan.runs[0], &plan.runs[1]];
+    let is_current = |run, shaders| cells::is_current(folder.path(), run, shaders);
+    assert!(!is_current(first, "a key"), "nothing has run");
+    leave(folder.path(), &plan, 0, 30.0, "gpu");
+    leave(folder.path(), &plan, 1, 2.0, "gpu");
+    assert!(is_current(first, "a key") && !is_current(first, "another key"));
+    let record = run_folder(folder.path(), second).join("run.json");
+    let change = |from: &str, to: &str| {
+        let text = std::fs::read_to_string(&record).unwrap();
+        assert!(text.contains(from), "{text}");
+        std::fs::write(&record, text.replace(from, to)).unwrap();
+    };
+    change("0.1.0", "0.0.1");
+    assert!(!is_current(second, "a key"), "of another version");
+    change("0.0.1", "0.1.0");
+    cells::results(&table, &plan, folder.path()).unwrap();
+    change("a key", "another key");
+    let error = cells::results(&table, &plan, folder.path()).unwrap_err().to_string();
+    assert!(error.contains("different devices, timing modes, versions or shaders"), "{error}");
+}
+
+#[test]
 fn a_truth_is_shared_by_runs_that_differ_in_the_pipeline_alone() {
     let (_, text) = presets::tables().into_iter().find(|(name, _)| *name == "vpl-count").unwrap();
-    let table = read::table(text, Path::new("vpl-count.toml"), None).unwrap();
+    let table = read(text, Path::new("vpl-count.toml"), None).unwrap();
     let plan = Plan::of(&table, &Sweep::default()).unwrap();
     assert!(plan.runs.iter().all(|run| run.needs_reference));
     let keys: std::collections::BTreeSet<String> = plan.runs.iter().map(|run| run.reference_key(&table)).collect();
@@ -190,7 +220,7 @@ fn mistakes_are_refused_by_file_line_and_key() {
         assert!(SMALL.contains(from), "{from}");
         let error = format!(
             "{:#}",
-            read::table(&SMALL.replacen(from, to, 1), Path::new("small.toml"), None).err().unwrap_or_else(|| panic!("{to} was taken"))
+            read(&SMALL.replacen(from, to, 1), Path::new("small.toml"), None).err().unwrap_or_else(|| panic!("{to} was taken"))
         );
         assert!(error.contains(expected), "{to}: {error}");
     }
@@ -205,7 +235,7 @@ fn mistakes_are_refused_by_file_line_and_key() {
         ("gather = { interleave = 4 }", "scene = { file = \"none.glb\" }", "none.glb does not exist"),
     ];
     for (from, to, expected) in cells {
-        let table = read::table(&SMALL.replacen(from, to, 1), Path::new("small.toml"), None).unwrap();
+        let table = read(&SMALL.replacen(from, to, 1), Path::new("small.toml"), None).unwrap();
         let error = format!("{:#}", Plan::of(&table, &Sweep::default()).err().unwrap_or_else(|| panic!("{to} was taken")));
         assert!(error.contains(expected), "{to}: {error}");
     }
@@ -215,13 +245,13 @@ fn mistakes_are_refused_by_file_line_and_key() {
 #[test]
 fn a_view_takes_its_stand_ins_place_where_its_scene_is() {
     let text = SMALL.replacen("own = true", "own = true\ninstead_of = \"sibenik\"", 1);
-    let read = |scenes| read::table(&text, Path::new("small.toml"), scenes).unwrap_or_else(|error| panic!("{error:#}"));
+    let of = |scenes| read(&text, Path::new("small.toml"), scenes).unwrap_or_else(|error| panic!("{error:#}"));
     let scenes = |table: &Table| {
         let runs = Plan::of(table, &Sweep::default()).unwrap_or_else(|error| panic!("{error:#}")).runs;
         runs.into_iter().map(|run| run.config.scene.file).collect::<Vec<_>>()
     };
     let folder = tempfile::tempdir().unwrap();
-    for (table, says) in [(read(None), "--scenes"), (read(Some(folder.path())), "sibenik.glb is not there")] {
+    for (table, says) in [(of(None), "--scenes"), (of(Some(folder.path())), "sibenik.glb is not there")] {
         assert_eq!(table.columns[2].name, "error");
         assert!(
             table.deviations[1].starts_with("error stands for Sibenik") && table.deviations[1].contains(says),
@@ -232,11 +262,11 @@ fn a_view_takes_its_stand_ins_place_where_its_scene_is() {
     }
     let file = folder.path().join("sibenik.glb");
     std::fs::write(&file, "").unwrap();
-    let table = read(Some(folder.path()));
+    let table = of(Some(folder.path()));
     let runs = scenes(&table);
     assert_eq!((table.columns[2].name.as_str(), table.deviations.len()), ("Sibenik", 1));
     assert_eq!(runs, [None, Some(file.clone()), None, Some(file)]);
     let wrong = text.replace("\"sibenik\"", "\"sibenic\"");
-    let error = format!("{:#}", read::table(&wrong, Path::new("small.toml"), None).err().unwrap());
+    let error = format!("{:#}", read(&wrong, Path::new("small.toml"), None).err().unwrap());
     assert!(error.contains("did you mean \"sibenik\"?"), "{error}");
 }

@@ -8,14 +8,15 @@ use manylight::config::{
     Representative, SceneConfig, Shares, VisibilityMethod, VplSampler,
 };
 use manylight::graph::Execution;
-use manylight::reference::Layer;
+use manylight::metrics::Intensity;
+use manylight::reference::Sum;
 use manylight::renderer::{Rendered, Renderer};
 use manylight::scene::Scene;
 use manylight::scene::pack::{octahedral_inverse, octahedral_snorm16_inverse};
 use manylight::scene::source::load_scene;
 use manylight::stages::bounce::Cluster;
 use manylight::stages::vpls::VplPoint;
-use manylight::walk::{Intensity, flicker_of_walk};
+use manylight::walk::flicker_of_walk;
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::path::Path;
 
@@ -131,7 +132,7 @@ fn two_bounces_in_an_empty_box_are_the_path_tracers() {
     config.bounce.clusters = 32;
     let mut renderer = traced(scene);
     let sums = reference(&mut renderer, &config, centered(2), 192);
-    let (first, second) = (sums.mean(Layer::Bounce(1)), sums.mean(Layer::Bounce(2)));
+    let (first, second) = (sums.mean(Sum::Bounce(1)), sums.mean(Sum::Bounce(2)));
     let rendered = dump(&mut renderer, &config, 0, &[]);
     let picture = rendered.picture.unwrap();
     let found: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| picture.indirect.at(i)).collect();

@@ -5,11 +5,12 @@ use glam::Vec3;
 use manylight::color::luminance;
 use manylight::config::{CameraConfig, CameraKeyframe, Config, Interpolation, LightConfig, LightKeyframe, Shadows, VisibilityMethod};
 use manylight::graph::Execution;
+use manylight::metrics::Intensity;
 use manylight::metrics::flicker::{Fate, Surfaces, matches};
 use manylight::output::Picture;
 use manylight::renderer::Renderer;
 use manylight::scene::builtin;
-use manylight::walk::{Intensity, Visit, Walk, flicker_of_walk};
+use manylight::walk::{Visit, Walk, flicker_of_walk};
 
 const LAYERS: [Intensity; 4] = [Intensity::Radiance, Intensity::Direct, Intensity::Indirect, Intensity::Irradiance];
 

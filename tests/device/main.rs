@@ -18,6 +18,7 @@ mod lanes;
 #[path = "../gltf/make.rs"]
 #[allow(dead_code)] // The loader's tests use the rest.
 mod make;
+mod memory;
 mod points;
 mod reference;
 mod repeat;

@@ -4,7 +4,7 @@ use crate::common::*;
 use glam::{Affine3A, DVec3, Vec2, Vec3};
 use manylight::config::{Config, LightConfig, Shadows, VisibilityMethod};
 use manylight::graph::Execution;
-use manylight::reference::{Layer, Settings, Sums, Tracer};
+use manylight::reference::{Settings, Sum, Sums, Tracer};
 use manylight::renderer::Renderer;
 use manylight::scene::builder::Mesh;
 use manylight::scene::builtin::{self, Atrium};
@@ -45,12 +45,12 @@ fn a_furnace_glows_by_its_closed_form() {
         finish(renderer.gpu());
         for (channel, emission) in [0.2, 0.3, 0.4].into_iter().enumerate() {
             let expected = emission / f64::from(1.0 - albedo);
-            let found = sums.mean(Layer::Radiance).iter().map(|t| f64::from(t[channel])).sum::<f64>() / sums.pixels() as f64;
+            let found = sums.mean(Sum::Radiance).iter().map(|t| f64::from(t[channel])).sum::<f64>() / sums.pixels() as f64;
             println!("albedo {albedo}: {found:.5}, expected {expected:.5}");
             assert!((found / expected - 1.0).abs() < 0.01, "albedo {albedo}: {found} instead of {expected}");
         }
         // Each bounce is the albedo times the one before.
-        let layers: Vec<f64> = [Layer::Direct, Layer::Bounce(1), Layer::Bounce(2)].map(|l| mean(&sums.mean(l), |_| true)).into();
+        let layers: Vec<f64> = [Sum::Direct, Sum::Bounce(1), Sum::Bounce(2)].map(|l| mean(&sums.mean(l), |_| true)).into();
         for pair in layers.windows(2) {
             assert!((pair[1] / pair[0] / f64::from(albedo) - 1.0).abs() < 0.02, "albedo {albedo}: {layers:?}");
         }
@@ -79,13 +79,13 @@ fn light_of_each_kind_arrives_as_its_unit_says() {
         config.camera.as_mut().unwrap().up = Some([1.0, 0.0, 0.0]);
         config.light = light;
         let sums = reference(&mut renderer, &config, bounces(1), 16);
-        let direct = sums.mean(Layer::Direct);
+        let direct = sums.mean(Sum::Direct);
         let found = direct.iter().map(|t| f64::from(t[0])).sum::<f64>() / direct.len() as f64;
         println!("{name}: {found:.6}, expected {expected:.6}");
         assert!((found / expected - 1.0).abs() < 2e-3, "{name}: {found} instead of {expected}");
         assert!((f64::from(direct[0][2] / direct[0][0]) - 1.4).abs() < 1e-3, "{name}: colours");
         assert_eq!(mean(&sums.indirect(), |_| true), 0.0, "{name}: a plane has no indirect light");
-        assert!(sums.mean(Layer::Radiance).iter().all(|t| t[3] == 1.0), "{name}: the plane covers every pixel");
+        assert!(sums.mean(Sum::Radiance).iter().all(|t| t[3] == 1.0), "{name}: the plane covers every pixel");
     }
     finish(renderer.gpu());
 }
@@ -107,10 +107,10 @@ fn an_emitting_surface_lights_by_its_form_factor() {
         let a = f64::from(r) / 2.0;
         let quarter = 2.0 / std::f64::consts::TAU * (a / (1.0 + a * a).sqrt() * (a / (1.0 + a * a).sqrt()).atan());
         let expected = 0.5 * 3.0 * 4.0 * quarter;
-        let found = mean(&sums.mean(Layer::Direct), |_| true);
+        let found = mean(&sums.mean(Sum::Direct), |_| true);
         println!("{found:.5}, expected {expected:.5}");
         assert!((found / expected - 1.0).abs() < 0.01, "{found} instead of {expected}");
-        let all = mean(&sums.mean(Layer::Radiance), |_| true);
+        let all = mean(&sums.mean(Sum::Radiance), |_| true);
         assert!((all / found - 1.0).abs() < 1e-6, "all light is direct: {all}, {found}");
     }
 }
@@ -140,7 +140,7 @@ fn the_holes_of_a_glowing_surface_do_not_glow() {
     // Half of what the whole square gives below its middle.
     let a = 0.25f64;
     let quarter = 2.0 / std::f64::consts::TAU * (a / (1.0 + a * a).sqrt() * (a / (1.0 + a * a).sqrt()).atan());
-    let (found, expected) = (mean(&sums.mean(Layer::Direct), |_| true), 0.5 * 3.0 * 2.0 * quarter);
+    let (found, expected) = (mean(&sums.mean(Sum::Direct), |_| true), 0.5 * 3.0 * 2.0 * quarter);
     println!("{found:.5}, expected {expected:.5}");
     assert!((found / expected - 1.0).abs() < 0.015, "{found} instead of {expected}");
 }
@@ -165,14 +165,14 @@ fn rays_pass_through_masked_texels_and_stop_at_the_others() {
         for x in [10usize, 14, 17, 21] {
             let expected = if x < 16 { 1.0 } else { 0.0 };
             assert!((heights[y * 32 + x] - expected).abs() < 1e-5, "pixel {x}, {y}: a height of {}", heights[y * 32 + x]);
-            let (albedo, found) = (if x < 16 { 0.8 } else { 0.5 }, sums.mean(Layer::Direct)[y * 32 + x][0]);
+            let (albedo, found) = (if x < 16 { 0.8 } else { 0.5 }, sums.mean(Sum::Direct)[y * 32 + x][0]);
             let expected = albedo / std::f32::consts::PI * 3.0;
             assert!((found / expected - 1.0).abs() < 1e-4, "pixel {x}, {y}: {found} instead of {expected}");
         }
     }
     config.camera.as_mut().unwrap().position = Some([0.0, 0.5, 1.9]);
     config.camera.as_mut().unwrap().target = Some([0.0, 0.0, 0.0]);
-    let below = reference(&mut renderer, &config, bounces(0), 16).mean(Layer::Direct);
+    let below = reference(&mut renderer, &config, bounces(0), 16).mean(Sum::Direct);
     finish(renderer.gpu());
     assert_eq!((below[15 * 32 + 4][0], below[15 * 32 + 14][0]), (0.0, 0.0), "in the shadow");
     assert!(below[15 * 32 + 18][0] > 0.4 && below[15 * 32 + 28][0] > 0.4, "under the holes: {:?}", below[15 * 32 + 18]);
@@ -193,7 +193,7 @@ fn the_camera_looks_through_the_back_of_a_single_sided_wall_and_light_ends_there
         finish(renderer.gpu());
         let middle = features.positions[4 * 8 + 4];
         assert_eq!(middle[1], if double_sided { 1.0 } else { 0.0 }, "the camera sees a height of {}", middle[1]);
-        let direct = mean(&sums.mean(Layer::Direct), |_| true);
+        let direct = mean(&sums.mean(Sum::Direct), |_| true);
         // The lid's back is lit where it is a surface, and shadows the floor either way.
         assert_eq!(direct > 0.0, double_sided, "direct light of {direct}");
     }
@@ -244,7 +244,7 @@ fn one_bounce_vpls_in_an_empty_box_are_the_path_tracers_first_bounce() {
     config.vpls.count = 128 * 128;
     let picture = picture(&mut renderer, &config);
 
-    let truth = reference(&mut renderer, &config, centered(1), 1536).mean(Layer::Bounce(1));
+    let truth = reference(&mut renderer, &config, centered(1), 1536).mean(Sum::Bounce(1));
     finish(renderer.gpu());
     let (positions, normals) = (picture.positions(), picture.normals());
     let away = |i: &usize| {
@@ -280,7 +280,7 @@ fn compare_ray_traced(name: &str, renderer: &mut Renderer, config: &mut Config, 
     let found: Vec<[f32; 4]> = (0..found.depth.values.len()).map(|i| found.indirect.at(i)).collect();
     let bounded = reference(renderer, config, Settings { min_distance: 0.3, ..centered(1) }, samples);
     let free = reference(renderer, config, centered(1), samples);
-    let mean_of = |sums: &Sums| mean(&sums.mean(Layer::Bounce(1)), |_| true);
+    let mean_of = |sums: &Sums| mean(&sums.mean(Sum::Bounce(1)), |_| true);
     let ratio = mean(&found, |_| true) / mean_of(&bounded);
     let cost = mean_of(&bounded) / mean_of(&free);
     println!("{name}: VPLs by rays to paths, both bounded at 0.3 m: {ratio:.4}; the bound leaves {cost:.4} of the light");
@@ -342,7 +342,7 @@ fn direct_light_is_the_path_tracers() {
         let sums = reference(&mut renderer, &config, centered(0), 4);
         finish(renderer.gpu());
         let found: Vec<[f32; 4]> = (0..found.depth.values.len()).map(|i| found.direct.at(i)).collect();
-        let truth = sums.mean(Layer::Direct);
+        let truth = sums.mean(Sum::Direct);
         let ratio = mean(&found, |_| true) / mean(&truth, |_| true);
         println!("{name}: direct light by rays is {ratio:.4} of the path tracer's");
         assert!((ratio - 1.0).abs() < 0.01, "{name}: the direct light is {ratio} of the path tracer's");
@@ -371,7 +371,7 @@ fn the_error_halves_with_four_times_the_samples_and_the_variance_says_so() {
             config.frame.seed = seed;
             reference(&mut renderer, &config, bounces(2), samples)
         });
-        let (a, b) = (one.mean(Layer::Radiance), other.mean(Layer::Radiance));
+        let (a, b) = (one.mean(Sum::Radiance), other.mean(Sum::Radiance));
         let squares: f64 = a.iter().zip(&b).flat_map(|(a, b)| (0..3).map(move |k| f64::from(a[k] - b[k]).powi(2))).sum();
         let rmse = (squares / (3.0 * a.len() as f64) / 2.0).sqrt();
         let claimed = [&one, &other].map(|sums| sums.variance().iter().flatten().map(|v| f64::from(*v)).sum::<f64>()).iter().sum::<f64>();
@@ -413,7 +413,7 @@ fn paths_are_the_same_however_the_work_is_cut_up() {
     config.frame.seed = 0;
     let more = reference(&mut renderer, &config, bounces(3), 6);
     finish(renderer.gpu());
-    for layer in [Layer::Direct, Layer::Bounce(1), Layer::Bounce(2)] {
+    for layer in [Sum::Direct, Sum::Bounce(1), Sum::Bounce(2)] {
         assert!(more.layer(layer) == whole.layer(layer), "{layer:?}");
     }
 }

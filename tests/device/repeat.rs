@@ -7,7 +7,7 @@ use manylight::gpu::{DeviceChoice, Options};
 use manylight::graph::{DumpData, Execution, Timing};
 use manylight::output::Picture;
 use manylight::output::exr::Precision;
-use manylight::output::{Layer, write_exr, write_png};
+use manylight::output::{ExrLayer, write_exr, write_png};
 use manylight::renderer::Renderer;
 use manylight::scene::source::load_scene;
 use manylight::world::Needs;
@@ -37,12 +37,12 @@ fn files(picture: &Picture) -> [Vec<u8>; 2] {
         ("irradiance", &picture.irradiance),
         ("albedo", &picture.albedo),
     ];
-    let mut layers: Vec<Layer> =
-        planes.iter().map(|(name, plane)| Layer::interleaved(name, "RGB", plane.channels, &plane.values, Precision::Half)).collect();
+    let mut layers: Vec<ExrLayer> =
+        planes.iter().map(|(name, plane)| ExrLayer::interleaved(name, "RGB", plane.channels, &plane.values, Precision::Half)).collect();
     let vectors = |v: Vec<Vec3>| v.iter().flat_map(|v| v.to_array()).collect::<Vec<f32>>();
-    layers.push(Layer::interleaved("N", "XYZ", 3, &vectors(picture.normals()), Precision::Float));
-    layers.push(Layer::interleaved("P", "XYZ", 3, &vectors(picture.positions()), Precision::Float));
-    layers.push(Layer::interleaved("", "Z", 1, &picture.distances(), Precision::Float));
+    layers.push(ExrLayer::interleaved("N", "XYZ", 3, &vectors(picture.normals()), Precision::Float));
+    layers.push(ExrLayer::interleaved("P", "XYZ", 3, &vectors(picture.positions()), Precision::Float));
+    layers.push(ExrLayer::interleaved("", "Z", 1, &picture.distances(), Precision::Float));
     write_exr(&exr, width, height, layers, &[]).unwrap();
     [png, exr].map(|path| std::fs::read(path).unwrap())
 }

@@ -9,7 +9,7 @@ use manylight::config::{
 use manylight::gpu::Format;
 use manylight::graph::{Engine, Execution, Graph, Library};
 use manylight::output::Picture;
-use manylight::reference::{Layer, Settings};
+use manylight::reference::{Settings, Sum};
 use manylight::renderer::Renderer;
 use manylight::scene::builder::Mesh;
 use manylight::scene::source::load_scene;
@@ -60,7 +60,7 @@ fn light(renderer: &mut Renderer, config: &Config, chosen: impl Fn(DVec3) -> boo
 /// The same by so many paths a pixel of one bounce.
 fn light_of_paths(renderer: &mut Renderer, config: &Config, samples: u32, chosen: impl Fn(DVec3) -> bool) -> f64 {
     let settings = Settings { min_distance: config.gather.min_distance, ..centered(1) };
-    let expected = reference(renderer, config, settings, samples).mean(Layer::Bounce(1));
+    let expected = reference(renderer, config, settings, samples).mean(Sum::Bounce(1));
     let mut quick = config.clone();
     quick.visibility.method = VisibilityMethod::None;
     quick.gather.interleave = 8;

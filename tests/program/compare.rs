@@ -2,7 +2,7 @@
 
 use crate::place::{Place, ended, text};
 use manylight::output::exr::Precision;
-use manylight::output::{Layer, write_exr, write_png};
+use manylight::output::{ExrLayer, write_exr, write_png};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -36,11 +36,11 @@ impl Images {
             let value = |i: usize| change(i / 3, scale * (1.0 + ((i / 3 % 7) + i % 3) as f32));
             (0..width as usize * height as usize * 3).map(value).collect()
         };
-        let colors = |name: &str, scale: f32| Layer::interleaved(name, "RGB", 3, &values(scale), Precision::Float);
+        let colors = |name: &str, scale: f32| ExrLayer::interleaved(name, "RGB", 3, &values(scale), Precision::Float);
         let mut layers = vec![colors("", 1.0), colors("direct", 0.75)];
         layers.extend([colors("indirect.bounce1", 0.1875), colors("indirect.bounce2", 0.0625), colors("indirect", 0.25)]);
-        layers.push(Layer::interleaved("", "Z", 3, &values(2.0), Precision::Float));
-        layers.push(Layer::interleaved("N", "XYZ", 3, &values(0.1), Precision::Float));
+        layers.push(ExrLayer::interleaved("", "Z", 3, &values(2.0), Precision::Float));
+        layers.push(ExrLayer::interleaved("N", "XYZ", 3, &values(0.1), Precision::Float));
         write_exr(&self.path(name), width, height, layers, &[]).unwrap();
     }
 

@@ -5,12 +5,12 @@ use crate::commands::progress::Progress;
 use crate::config::Config;
 use crate::graph::Execution;
 use crate::output::exr::Precision;
-use crate::output::{Layer as ExrLayer, RunReport, read_exr, write_exr, write_png};
-use crate::reference::{Features, Layer, Settings, Sums, Tracer, develop, save_sums};
+use crate::output::{ExrLayer, read_exr, write_exr, write_png};
+use crate::reference::{Features, Settings, Sum, Sums, Tracer, develop, save_sums};
 use crate::renderer::Renderer;
-use crate::report::{Memory, PassTime, Provenance, Timings, peak_memory_bytes};
+use crate::report::{PassTime, Provenance, RunReport};
 use crate::trace;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -137,12 +137,7 @@ impl Run<'_> {
 
     fn write(&self, sums: &Sums, features: &Features, files: &Files) -> Result<()> {
         let [width, height] = sums.size;
-        let metadata = [
-            ("version", self.from.version.clone()),
-            ("preset", self.from.preset.clone()),
-            ("device", self.from.device.name.clone()),
-            ("samples", sums.samples.to_string()),
-        ];
+        let metadata = [&self.from.of_image()[..], &[("samples", sums.samples.to_string())]].concat();
         write_exr(&files.exr, width, height, layers(sums, features), &metadata)?;
         write_png(&files.png, width, height, &develop(sums, &self.config.compose))
     }
@@ -162,19 +157,10 @@ impl Run<'_> {
             ("device/memory-bytes", renderer.gpu().memory_in_use()),
         ];
         Ok(RunReport {
-            from: self.from.clone(),
-            seed: u64::from(self.config.frame.seed),
             frames: traced.times.len() as u32,
-            warmup: 0,
-            choices: BTreeMap::new(),
-            timings: Timings::of(&traced.times),
-            means: BTreeMap::new(),
             counts: counts.map(|(name, count)| (name.to_owned(), count)).into(),
-            memory: Memory::of(&traced.memory),
             checks: self.checks(settings, traced.error),
-            warnings: Vec::new(),
-            peak_memory_bytes: peak_memory_bytes(),
-            config: serde_json::to_value(self.config).context("the config cannot be written as JSON")?,
+            ..RunReport::of(&self.from, renderer.shaders(), self.config, &traced.times, &traced.memory)?
         })
     }
 
@@ -201,17 +187,17 @@ fn layers(sums: &Sums, features: &Features) -> Vec<ExrLayer> {
     let flat = |texels: Vec<[f32; 4]>| texels.into_flattened();
     let color = |name: &str, texels: Vec<[f32; 4]>| ExrLayer::interleaved(name, "RGB", 4, &flat(texels), Precision::Float);
     let mut layers = vec![
-        ExrLayer::interleaved("", "RGBA", 4, &flat(sums.mean(Layer::Radiance)), Precision::Float),
-        color("direct", sums.mean(Layer::Direct)),
+        ExrLayer::interleaved("", "RGBA", 4, &flat(sums.mean(Sum::Radiance)), Precision::Float),
+        color("direct", sums.mean(Sum::Direct)),
         color("indirect", sums.indirect()),
-        color("irradiance", sums.mean(Layer::Irradiance)),
-        color("albedo", sums.mean(Layer::Albedo)),
+        color("irradiance", sums.mean(Sum::Irradiance)),
+        color("albedo", sums.mean(Sum::Albedo)),
         ExrLayer::interleaved("N", "XYZ", 4, features.normals_and_distances.as_flattened(), Precision::Float),
         ExrLayer::interleaved("P", "XYZ", 4, features.positions.as_flattened(), Precision::Float),
     ];
     let distances: Vec<f32> = features.normals_and_distances.iter().map(|texel| texel[3]).collect();
     layers.push(ExrLayer::interleaved("", "Z", 1, &distances, Precision::Float));
-    layers.extend((1..=sums.bounces).map(|k| color(&format!("indirect.bounce{k}"), sums.mean(Layer::Bounce(k)))));
+    layers.extend((1..=sums.bounces).map(|k| color(&format!("indirect.bounce{k}"), sums.mean(Sum::Bounce(k)))));
     if sums.samples > 1 {
         layers.push(ExrLayer::interleaved("variance", "RGB", 3, sums.variance().as_flattened(), Precision::Float));
     }

@@ -4,7 +4,7 @@ use super::super::Warnings;
 use super::super::xml::Element;
 use super::textures::Textures;
 use crate::output::exr::Precision;
-use crate::output::{Layer, write_exr};
+use crate::output::{ExrLayer, write_exr};
 use crate::scene::{Light, SpotFalloff};
 use crate::world::projection::Projector;
 use anyhow::Result;
@@ -60,7 +60,7 @@ fn emitter(light: &Light, number: usize, folder: &Path, warnings: &mut Warnings)
 const FALLOFF_SIZE: u32 = 1024;
 
 /// How KHR_lights_punctual falls off, on the plane at distance 1 as far as the tangent of `widest`.
-fn falloff_picture(inner: f32, outer: f32, widest: f32) -> Layer {
+fn falloff_picture(inner: f32, outer: f32, widest: f32) -> ExrLayer {
     let tangent = widest.tan();
     let at = |i: u32| ((i as f32 + 0.5) / FALLOFF_SIZE as f32 * 2.0 - 1.0) * tangent;
     let falloff = |x: f32, y: f32| {
@@ -68,5 +68,5 @@ fn falloff_picture(inner: f32, outer: f32, widest: f32) -> Layer {
         ((cosine - outer.cos()) / (inner.cos() - outer.cos())).clamp(0.0, 1.0).powi(2)
     };
     let texels = (0..FALLOFF_SIZE).flat_map(|y| (0..FALLOFF_SIZE).map(move |x| (x, y))).flat_map(|(x, y)| [falloff(at(x), at(y)); 3]);
-    Layer::interleaved("", "RGB", 3, &texels.collect::<Vec<f32>>(), Precision::Half)
+    ExrLayer::interleaved("", "RGB", 3, &texels.collect::<Vec<f32>>(), Precision::Half)
 }

@@ -9,7 +9,7 @@ mod textures;
 use super::xml::Element;
 use super::{Names, Warnings, behind, meshes, ply};
 use crate::config::Dielectric;
-use crate::output::{prepare_folder, write_file};
+use crate::files::{prepare_folder, write_file};
 use crate::scene::{Aabb, Camera, Light, Material, Scene};
 use crate::world::projection::View;
 use anyhow::Result;

@@ -4,7 +4,7 @@ use super::super::xml::Element;
 use super::super::{Names, Warnings};
 use crate::gpu::Format;
 use crate::output::exr::Precision;
-use crate::output::{Layer, write_exr, write_png};
+use crate::output::{ExrLayer, write_exr, write_png};
 use crate::scene::{Filter, Map, Scene, Texture, Wrap};
 use anyhow::Result;
 use std::path::Path;
@@ -147,7 +147,7 @@ impl<'a> Textures<'a> {
 
     fn write_floats(&self, name: &str, (width, height): (u32, u32), rgb: &[f32], raw: bool) -> Result<Written> {
         let written = Written { file: format!("{name}.exr"), raw, stepped: false };
-        let layer = Layer::interleaved("", "RGB", 3, rgb, Precision::Half);
+        let layer = ExrLayer::interleaved("", "RGB", 3, rgb, Precision::Half);
         write_exr(&self.folder.join(&written.file), width, height, vec![layer], &[])?;
         Ok(written)
     }

@@ -1,8 +1,7 @@
 //! Pictures and errors of runs: read, measured, and turned into what a page can hold.
 
 use super::folders::Run;
-use crate::cli::LayerChoice;
-use crate::metrics::{self, Image, ImageFile, Measures, heatmap};
+use crate::metrics::{self, Image, ImageFile, LayerPair, Measures, heatmap};
 use crate::output::{png_bytes, read_png};
 use anyhow::{Context, Result};
 use base64::Engine;
@@ -59,12 +58,12 @@ pub struct Errors {
 
 /// Measures runs; the layers of a reference are read once.
 pub struct Measurer<'l> {
-    layers: &'l LayerChoice,
+    layers: &'l LayerPair,
     references: BTreeMap<PathBuf, Image>,
 }
 
 impl<'l> Measurer<'l> {
-    pub fn new(layers: &'l LayerChoice) -> Self {
+    pub fn new(layers: &'l LayerPair) -> Self {
         Self { layers, references: BTreeMap::new() }
     }
 

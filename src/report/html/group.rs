@@ -12,6 +12,7 @@ use super::record::RecordView;
 use super::set::{Member, SetView, set_view};
 use super::stages::{StageTable, stage_table};
 use super::table_view::{self, TableView};
+use crate::metrics::LayerPair;
 use anyhow::Result;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -81,7 +82,7 @@ pub struct Builder<'l> {
 }
 
 impl<'l> Builder<'l> {
-    pub fn new(layers: &'l crate::cli::LayerChoice) -> Self {
+    pub fn new(layers: &'l LayerPair) -> Self {
         Self { measurer: Measurer::new(layers), shared: Vec::new(), known: BTreeMap::new(), layers: layers.to_string() }
     }
 
@@ -243,11 +244,10 @@ fn flicker(flicker: &Flicker) -> FlickerView {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::LayerChoice;
     use crate::report::html::samples::run;
 
-    fn layers() -> LayerChoice {
-        LayerChoice { test: vec!["RGB".to_owned()], reference: vec!["RGB".to_owned()] }
+    fn layers() -> LayerPair {
+        LayerPair::radiance()
     }
 
     #[test]

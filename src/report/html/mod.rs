@@ -20,7 +20,7 @@ mod stages;
 mod table;
 mod table_view;
 
-use crate::cli::LayerChoice;
+use crate::metrics::LayerPair;
 use anyhow::Result;
 use std::path::PathBuf;
 
@@ -28,7 +28,7 @@ use std::path::PathBuf;
 ///
 /// # Errors
 /// `BadInput` with the folder or the file and what is wrong with it.
-pub fn report(folders: &[PathBuf], layers: &LayerChoice) -> Result<String> {
+pub fn report(folders: &[PathBuf], layers: &LayerPair) -> Result<String> {
     page::render(&folders::read(folders)?, layers)
 }
 

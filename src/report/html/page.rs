@@ -3,7 +3,7 @@
 use super::errors::Picture;
 use super::folders::{Group, Run};
 use super::group::{Builder, GroupView};
-use crate::cli::LayerChoice;
+use crate::metrics::LayerPair;
 use anyhow::Result;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -39,7 +39,7 @@ struct Page {
 ///
 /// # Errors
 /// `BadInput` with the file that cannot be shown or compared.
-pub fn render(groups: &[Group], layers: &LayerChoice) -> Result<String> {
+pub fn render(groups: &[Group], layers: &LayerPair) -> Result<String> {
     let others: &[Run] = groups.iter().find(|group| group.table.is_none()).map_or(&[], |group| &group.references);
     let mut builder = Builder::new(layers);
     let mut sections = Vec::new();
@@ -110,7 +110,7 @@ mod tests {
     const HOSTILE: &str = "<script>alert('&\"')</script>";
 
     fn page(groups: &[Group]) -> String {
-        render(groups, &LayerChoice { test: vec!["RGB".to_owned()], reference: vec!["RGB".to_owned()] }).unwrap()
+        render(groups, &LayerPair::radiance()).unwrap()
     }
 
     /// Text wherever a file may put some.

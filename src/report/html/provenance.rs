@@ -23,7 +23,7 @@ pub struct Note {
 /// Device and driver, mode, resolution, preset, version.
 pub fn parts(from: &Provenance) -> [String; 5] {
     [
-        format!("{} [{}], {}", from.device.name, from.device.kind, from.device.driver_label()),
+        format!("{}, {}", from.device.label(), from.device.driver_label()),
         format!("{} timing", from.timing_mode),
         format!("{} × {} pixels", from.width, from.height),
         format!("preset {}", from.preset),

@@ -144,7 +144,7 @@ pub fn notes(table: &TableFile, view: &TableView, runs: &[Run]) -> Vec<String> {
 
 /// Device, driver and mode of a table, and the resolutions and presets of its runs.
 fn origin(table: &TableFile, runs: &[Run]) -> String {
-    let device = format!("{} [{}], {}", table.device.name, table.device.kind, table.device.driver_label());
+    let device = format!("{}, {}", table.device.label(), table.device.driver_label());
     let mut all = vec![device, format!("{} timing", table.timing_mode)];
     let distinct = |part: fn(&Run) -> String| runs.iter().map(part).collect::<BTreeSet<_>>().into_iter().collect::<Vec<_>>().join(", ");
     if !runs.is_empty() {

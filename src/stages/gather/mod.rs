@@ -3,9 +3,11 @@
 mod limits;
 mod rivals;
 pub mod shells;
+mod statistics;
 mod stochastic;
 
 pub use limits::{MOST_TURNS, check, choices, methods, needs_shells, warnings_of_frame};
+pub use statistics::means;
 pub use stochastic::Roulette;
 
 use super::gbuffer::GBuffer;

@@ -1,7 +1,8 @@
 //! `run.json`: what was rendered, on what, and what came of it.
 
-use super::file::write_file;
-use crate::report::{Memory, Provenance, Timings};
+use super::{Memory, PassTime, Provenance, Timings, peak_memory_bytes};
+use crate::config::Config;
+use crate::files::write_file;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use serde_json::Value;
@@ -14,6 +15,8 @@ pub struct RunReport {
     /// Version, preset, device, timing mode and resolution.
     #[serde(flatten)]
     pub from: Provenance,
+    /// A hash of all shaders' sources ([`crate::graph::Library::key_of_all`]): figures of two of these do not go together.
+    pub shaders: String,
     pub seed: u64,
     /// Frames that were timed.
     pub frames: u32,
@@ -41,6 +44,27 @@ pub struct RunReport {
 }
 
 impl RunReport {
+    /// What every run's record says of its config, the times of its passes and the memory of its last frame. The rest is empty, for
+    /// whoever knows more.
+    pub fn of(from: &Provenance, shaders: String, config: &Config, times: &[PassTime], memory: &[(String, u64)]) -> Result<Self> {
+        Ok(Self {
+            from: from.clone(),
+            shaders,
+            seed: u64::from(config.frame.seed),
+            frames: 0,
+            warmup: 0,
+            choices: BTreeMap::new(),
+            timings: Timings::of(times),
+            counts: BTreeMap::new(),
+            means: BTreeMap::new(),
+            memory: Memory::of(memory),
+            checks: BTreeMap::new(),
+            warnings: Vec::new(),
+            peak_memory_bytes: peak_memory_bytes(),
+            config: resolved(config)?,
+        })
+    }
+
     /// Writes the report as JSON.
     ///
     /// # Errors
@@ -56,6 +80,11 @@ impl RunReport {
     }
 }
 
+/// A config as a record says it: all keys, so that it renders the same again.
+pub fn resolved(config: &Config) -> Result<Value> {
+    serde_json::to_value(config).context("the config cannot be written as JSON")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -66,6 +95,7 @@ mod tests {
     fn the_report_says_what_ran_where_and_how_long_it_took() {
         let report = RunReport {
             from: provenance(),
+            shaders: "0123".to_owned(),
             seed: 7,
             frames: 2,
             warmup: 2,
@@ -99,6 +129,7 @@ mod tests {
                 "timing_mode": "isolated",
                 "width": 960,
                 "height": 540,
+                "shaders": "0123",
                 "seed": 7,
                 "frames": 2,
                 "warmup": 2,

@@ -1,0 +1,164 @@
+//! How a run is set up: its config, a device with the scene, what the user should be told, and the shaders. Whatever shows frames
+//! begins here.
+
+use super::progress::Progress;
+use crate::config::{self, Config};
+use crate::files::prepare_folder;
+use crate::gpu::{DeviceChoice, Gpu, Options};
+use crate::graph::{Execution, Timing};
+use crate::presets;
+use crate::renderer::{Renderer, needs, timing};
+use crate::report::{Device, Provenance};
+use crate::scene::Scene;
+use crate::scene::source::load_scene;
+use crate::trace;
+use crate::world::Needs;
+use anyhow::Result;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// A config to run.
+pub struct Setup {
+    pub config: Config,
+    /// Where it was read from; figures go by its name.
+    path: PathBuf,
+    started: Instant,
+}
+
+/// The device to run on.
+#[derive(Clone, Copy)]
+pub struct On<'a> {
+    /// The best one if `None`.
+    pub device: Option<&'a DeviceChoice>,
+    /// Turns the validation layer on.
+    pub validate: bool,
+}
+
+/// A device and a scene that is not on it yet.
+pub struct Opened {
+    gpu: Gpu,
+    pub scene: Scene,
+    /// What the user should be told of the scene.
+    pub warnings: Vec<String>,
+}
+
+/// A renderer that has checked a config and made its pipelines: the next thing is a frame.
+pub struct Ready {
+    pub renderer: Renderer,
+    pub from: Provenance,
+    pub execution: Execution,
+    /// All that the user has been told.
+    pub warnings: Vec<String>,
+    /// How long everything before the first pass took.
+    pub first_pass_ms: u64,
+}
+
+impl Setup {
+    /// Reads a config from a file, or by its name one of the presets that come with the program.
+    ///
+    /// # Errors
+    /// `BadInput` with file, line and key.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Self> {
+        let started = Instant::now();
+        let config = match path.to_str().and_then(presets::find) {
+            Some(text) if !path.exists() => config::parse(text, &path.with_extension("toml"), overrides),
+            _ => config::load(path, overrides),
+        }?;
+        Ok(Self { config, path: path.to_owned(), started })
+    }
+
+    /// Opens the device, brings the scene to it, checks the config, warns of what it does not do well, and makes the pipelines. Passes to
+    /// `dump` must be there.
+    pub fn ready(&self, on: On, dump: &[String], progress: &Progress) -> Result<Ready> {
+        let config = &self.config;
+        progress.say("loading the scene");
+        let opened = open(config, on)?;
+        let mut warnings = opened.warnings.clone();
+        progress.say("bringing the scene to the device");
+        let mut renderer = opened.bring(needs(config))?;
+        renderer.check(config)?;
+        warnings.extend(renderer.warnings(config));
+        warnings.iter().for_each(|warning| progress.warn(warning));
+        progress.say("preparing the shaders");
+        renderer.prepare(config, dump)?;
+        Ok(Ready {
+            from: self.provenance(&renderer),
+            execution: execution(config, &renderer),
+            first_pass_ms: self.started.elapsed().as_millis() as u64,
+            renderer,
+            warnings,
+        })
+    }
+
+    /// Where the figures of its run come from.
+    pub fn provenance(&self, renderer: &Renderer) -> Provenance {
+        provenance(&self.path, &self.config, renderer)
+    }
+}
+
+impl Ready {
+    /// Tells the user something, and keeps it for the record.
+    pub fn warn(&mut self, warning: impl Into<String>, progress: &Progress) {
+        let warning = warning.into();
+        progress.warn(&warning);
+        self.warnings.push(warning);
+    }
+}
+
+/// Opens the device and loads the scene, each while the other is waited for.
+pub fn open(config: &Config, on: On) -> Result<Opened> {
+    let options = Options { device: on.device.cloned().unwrap_or_default(), validate: on.validate };
+    let (scene, gpu) = rayon::join(|| load_scene(&config.scene), || Gpu::new(&options));
+    let (gpu, (scene, warnings)) = (gpu?, scene?);
+    Ok(Opened { gpu, scene, warnings })
+}
+
+impl Opened {
+    /// Brings the scene to the device. `may_need` is what any config needs that is to run on it.
+    pub fn bring(self, may_need: Needs) -> Result<Renderer> {
+        Renderer::new(self.gpu, self.scene, may_need)
+    }
+}
+
+/// How the frames of a config are run.
+pub fn execution(config: &Config, renderer: &Renderer) -> Execution {
+    Execution { timing: timing(config, &renderer.gpu().adapter), ..Execution::default() }
+}
+
+/// Where the figures of a config's run come from; they go by the name of `path`.
+pub fn provenance(path: &Path, config: &Config, renderer: &Renderer) -> Provenance {
+    let adapter = &renderer.gpu().adapter;
+    let (driver, version) = adapter.driver.split_once(' ').unwrap_or((adapter.driver.as_str(), ""));
+    let mode = match timing(config, adapter) {
+        Timing::Isolated => "isolated",
+        Timing::Overlapped => "overlapped",
+        Timing::Serial => "serial",
+    };
+    Provenance {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        preset: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        device: Device {
+            name: adapter.name.clone(),
+            kind: adapter.kind().to_owned(),
+            driver: driver.to_owned(),
+            driver_version: version.to_owned(),
+        },
+        timing_mode: mode.to_owned(),
+        width: config.frame.size[0],
+        height: config.frame.size[1],
+    }
+}
+
+/// Turns the recorder on where a trace is wanted, and proves that the file can be written.
+pub fn begin_trace(path: Option<&Path>) -> Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    prepare_folder(folder.unwrap_or(Path::new(".")))?;
+    trace::start();
+    Ok(())
+}
+
+/// Writes the trace where one is wanted.
+pub fn end_trace(path: Option<&Path>, from: &Provenance) -> Result<()> {
+    path.map_or(Ok(()), |path| trace::finish(path, &from.known()))
+}

@@ -1,0 +1,75 @@
+//! Buffers and images that are filled when they are made.
+
+use super::device::Gpu;
+use super::format::Format;
+use super::memory::{BufferId, ImageDesc, ImageId};
+use super::types::{Accesses, Barrier, Stages};
+use anyhow::{Context, Result};
+
+impl Gpu {
+    /// A device buffer that holds `contents`.
+    pub fn create_filled_buffer(&mut self, name: &str, contents: &[u8]) -> Result<BufferId> {
+        /// Staged at a time, so that a large scene does not lie in memory twice.
+        const CHUNK: usize = 32 << 20;
+        let id = self.create_buffer(name, contents.len() as u64)?;
+        if contents.is_empty() {
+            return Ok(id);
+        }
+        let staging = self.create_upload_buffer("staging", &contents[..contents.len().min(CHUNK)])?;
+        for (i, chunk) in contents.chunks(CHUNK).enumerate() {
+            self.write_upload_buffer(staging, chunk);
+            let offset = (i * CHUNK) as u64;
+            self.submit(name, |commands| commands.copy_buffer(staging, 0, id, offset, chunk.len() as u64))?;
+        }
+        self.free_buffer(staging);
+        Ok(id)
+    }
+
+    /// An image without mips that holds `texels`, row by row, layer by layer, and nothing in particular where they end; shaders may
+    /// store to it where `storage`.
+    pub fn create_filled_image(&mut self, name: &str, format: Format, size: [u32; 3], texels: &[u8], storage: bool) -> Result<ImageId> {
+        /// Staged at a time, as in [`Self::create_filled_buffer`].
+        const CHUNK: usize = 32 << 20;
+        let [width, height, layers] = size;
+        let row = width as usize * format.texel_bytes();
+        assert!(texels.len() <= row * height as usize * layers as usize, "{name}: more texels than {width}x{height}x{layers} hold");
+        let desc = ImageDesc { format, width, height, layers, mips: 1, attachment: false, storage };
+        let id = self.create_images(&[(name, desc)])?[0];
+        let rows = (CHUNK / row).clamp(1, height as usize);
+        let staging = self.create_upload_buffer("staging", &vec![0; rows * row])?;
+        for (layer, texels) in texels.chunks(row * height as usize).enumerate() {
+            for (i, chunk) in texels.chunks(rows * row).enumerate() {
+                self.write_upload_buffer(staging, chunk);
+                let (first, count) = ((i * rows) as u32, chunk.len().div_ceil(row) as u32);
+                self.submit(name, |commands| commands.copy_buffer_to_image_rows(staging, id, layer as u32, first, count))?;
+            }
+        }
+        self.free_buffer(staging);
+        Ok(id)
+    }
+
+    /// A sampled image array: one RGBA8 image a layer, all of the same size, with all mips.
+    pub fn create_texture_array(&mut self, name: &str, format: Format, size: [u32; 2], layers: &[&[u8]]) -> Result<ImageId> {
+        let [width, height] = size;
+        let mips = width.max(height).ilog2() + 1;
+        let desc = ImageDesc { format, width, height, layers: layers.len() as u32, mips, attachment: false, storage: false };
+        let id = self.create_images(&[(name, desc)]).with_context(|| format!("{} textures of {width}x{height}", layers.len()))?[0];
+        let Some(first) = layers.first() else { return Ok(id) };
+        let staging = self.create_upload_buffer("staging", first)?;
+        for (layer, texels) in layers.iter().enumerate() {
+            assert_eq!(texels.len(), (width * height) as usize * format.texel_bytes(), "{name}: a texture of the wrong size");
+            self.write_upload_buffer(staging, texels);
+            self.submit(name, |commands| commands.copy_buffer_to_image(staging, id, layer as u32))?;
+        }
+        self.free_buffer(staging);
+        self.submit(name, |commands| {
+            for mip in 1..mips {
+                let both = Accesses::TRANSFER_READ | Accesses::TRANSFER_WRITE;
+                let (from, to) = (Stages::TRANSFER, Stages::TRANSFER);
+                commands.barrier(&Barrier { from, written: Accesses::TRANSFER_WRITE, to, needed: both });
+                commands.halve_into_mip(id, mip);
+            }
+        })?;
+        Ok(id)
+    }
+}
