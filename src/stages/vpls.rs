@@ -49,18 +49,21 @@ shader_struct! {
     }
 }
 
-/// The VPLs: for visibility and culling their places alone, so that those read little (Linke 2016, section 4.3).
+/// The VPLs, `count` elements in each buffer: for visibility and culling their places alone, so that those read little (Linke 2016,
+/// section 4.3). `README.md` beside this file has the contract that every sampler keeps.
 #[derive(Debug, Clone, Copy)]
 pub struct Vpls {
     pub count: u32,
+    /// [`VplPoint`].
     pub points: Buffer,
     /// Radiant intensity along the normal, W/sr, RGB.
     pub intensities: Buffer,
-    /// Of the beam that each stands for, across it, m^2; 0 of those that reflect nothing. How large a disk it shines as ([`Emitters::Disks`](crate::config::Emitters)).
+    /// Cross section of the beam that each stands for, m^2; 0 of a VPL without light, and of no other. A disk's size follows from it
+    /// ([`Emitters::Disks`](crate::config::Emitters)).
     pub areas: Buffer,
-    /// Share of what each reflects that is thought to stay in the scene; there where that is known.
+    /// Share of each VPL's light that is thought to stay in the scene; `None` where the sampler does not know.
     pub kept: Option<Buffer>,
-    /// Glossy VPLs at the same places, [`Lobe`]s; there where they are wanted.
+    /// Glossy VPLs at the same places, [`Lobe`]s; there if [`Wants::glossy`](super::wants::Wants) says so.
     pub lobes: Option<Buffer>,
     /// Whether the diffuse ones shine.
     pub diffuse: bool,

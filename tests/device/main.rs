@@ -26,3 +26,4 @@ mod sampling;
 mod ssao;
 mod stochastic;
 mod vertices;
+mod vpls;

@@ -1,0 +1,88 @@
+//! What every sampler promises of its VPLs, whatever they are made of: `src/stages/README.md`.
+
+use crate::common::*;
+use glam::{DVec3, Vec3};
+use manylight::config::{Config, Culling, Dielectric, Importance, LightConfig, Reflection, VplSampler, choices};
+use manylight::graph::Execution;
+use manylight::renderer::{Rendered, Renderer};
+use manylight::scene::pack;
+use manylight::stages::vpls::{Lobe, VplPoint};
+
+const LIGHT: Vec3 = Vec3::new(1.0, 1.5, 1.0);
+
+/// A box of which one wall is black, and a spot light whose map goes past the box's open side: some texels have no surface, some no light.
+fn room_with_dark_parts() -> (Renderer, Config) {
+    let mut albedos = [DVec3::splat(0.5); 6];
+    albedos[1] = DVec3::ZERO;
+    let renderer = renderer(room(&walls(DVec3::new(4.0, 3.0, 5.0), albedos)[..5]));
+    let light = LightConfig::Spot {
+        position: LIGHT.into(),
+        direction: Some([1.0, -0.2, 1.0]),
+        target: None,
+        intensity: [10.0; 3],
+        inner_deg: Some(20.0),
+        outer_deg: 60.0,
+        keyframes: Vec::new(),
+    };
+    let mut config = plain([16, 16], Vec3::new(1.0, 1.0, 4.0), Vec3::ZERO, 60.0, light);
+    config.rsm.size = [32, 32];
+    config.vpls.count = 333;
+    (renderer, config)
+}
+
+fn pod<T: bytemuck::Pod>(rendered: &Rendered, resource: &str) -> Vec<T> {
+    bytemuck::pod_collect_to_vec(dumped(rendered, resource))
+}
+
+#[test]
+fn vpls_of_every_sampler_keep_the_contract() {
+    let (mut renderer, mut config) = room_with_dark_parts();
+    for name in choices::<VplSampler>() {
+        config.vpls.sampler = serde_json::from_value((*name).into()).unwrap();
+        let hammersley = config.vpls.sampler == VplSampler::Hammersley;
+        for importance in [Importance::None, Importance::PassedFlux].into_iter().take(if hammersley { 2 } else { 1 }) {
+            for reflection in [Reflection::Diffuse, Reflection::Glossy, Reflection::Both] {
+                config.vpls.importance = importance;
+                config.vpls.reflection = reflection;
+                config.materials.dielectric = if reflection == Reflection::Diffuse { Dielectric::Lambert } else { Dielectric::Ggx };
+                config.gather.culling = if reflection == Reflection::Diffuse { Culling::Tiled } else { Culling::StochasticTiled };
+                let what = format!("{name}, {importance:?}, {reflection:?}");
+                renderer.check(&config).unwrap();
+                let (passes, _) = renderer.names(&config).unwrap();
+                let dump = passes.into_iter().filter(|pass| pass.starts_with("vpls/")).map(str::to_owned).collect();
+                let rendered = renderer.render(&config, 0, false, &Execution { dump, ..Execution::default() }).unwrap();
+                keeps_the_contract(&rendered, renderer.vpl_count(&config) as usize, reflection, importance, &what);
+            }
+        }
+    }
+    finish(renderer.gpu());
+}
+
+fn keeps_the_contract(rendered: &Rendered, count: usize, reflection: Reflection, importance: Importance, what: &str) {
+    let places: Vec<VplPoint> = pod(rendered, "vpls/points");
+    let intensities: Vec<[f32; 3]> = pod(rendered, "vpls/intensities");
+    let areas: Vec<f32> = pod(rendered, "vpls/areas");
+    assert_eq!((places.len(), intensities.len(), areas.len()), (count, count, count), "{what}");
+    let glossy = reflection != Reflection::Diffuse;
+    let there = |name: &str| rendered.dumps.iter().any(|dump| dump.resource == name);
+    assert_eq!(there("vpls/lobes"), glossy, "{what}");
+    assert_eq!(there("vpls/kept"), importance != Importance::None, "{what}");
+    let lobes: Vec<Lobe> = if glossy { pod(rendered, "vpls/lobes") } else { Vec::new() };
+    assert_eq!(lobes.len(), if glossy { count } else { 0 }, "{what}");
+    let mut lit = 0;
+    for i in 0..count {
+        let shines = intensities[i] != [0.0; 3] || lobes.get(i).is_some_and(|lobe| lobe.flux != [0.0; 3]);
+        assert_eq!(areas[i] > 0.0, shines, "{what}: VPL {i} has the area {} and the intensity {:?}", areas[i], intensities[i]);
+        assert!(areas[i] >= 0.0 && areas[i].is_finite(), "{what}: VPL {i} has the area {}", areas[i]);
+        if shines {
+            lit += 1;
+            let normal = pack::octahedral_snorm16_inverse(places[i].normal);
+            assert!(places[i].position.iter().all(|x| x.is_finite()), "{what}: VPL {i} is at {:?}", places[i].position);
+            let to_light = LIGHT - Vec3::from(places[i].position);
+            assert!(normal.dot(to_light) > 0.0, "{what}: VPL {i} at {:?} has the normal {normal}", places[i].position);
+        }
+    }
+    assert!(lit > 0 && lit < count, "{what}: {lit} of {count} are lit, and some should be dark");
+    let counted = rendered.counts.iter().find(|(name, _)| name == "vpls/lit").map(|(_, count)| *count);
+    assert_eq!(counted, Some(lit as u64), "{what}");
+}
