@@ -19,7 +19,7 @@ pub use sequence::{SequenceArgs, Shard};
 use crate::config::{TimingMode, choices};
 use crate::gpu::DeviceChoice;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
@@ -170,10 +170,11 @@ pub fn try_parse(arguments: Vec<OsString>) -> Result<Cli, clap::Error> {
 
 /// The short form: a config as the first argument means `render`. A file that is called as a command is given as ./NAME.
 fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
-    let commands = ["render", "reference", "compare", "flicker", "reproduce", "report", "bench", "export", "doctor", "list", "help"];
+    let commands = Cli::command();
+    let is_command = |first: &OsString| first == "help" || commands.find_subcommand(first).is_some();
     let short = arguments.get(1).is_some_and(|first| {
         let path = Path::new(first);
-        let plain = !first.to_string_lossy().starts_with('-') && !commands.iter().any(|command| first == command);
+        let plain = !first.to_string_lossy().starts_with('-') && !is_command(first);
         plain && (path.extension().is_some_and(|extension| extension == "toml") || path.exists())
     });
     if short {
@@ -206,7 +207,6 @@ fn device(text: &str) -> Result<DeviceChoice, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
     use clap::error::ErrorKind;
 
     fn arguments(line: &str) -> Result<Cli, clap::Error> {

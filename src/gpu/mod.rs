@@ -20,6 +20,7 @@ mod shader;
 mod slots;
 mod types;
 mod upload;
+mod vertex;
 
 pub use adapter::{Adapter, DeviceChoice, Feature};
 pub use commands::{Attachment, Commands, Load};
@@ -27,5 +28,6 @@ pub use device::{Gpu, Options};
 pub use format::Format;
 pub use memory::{BufferId, ImageDesc, ImageId};
 pub use pipeline::{PipelineId, RasterState};
-pub use shader::{Binding, BindingKind, Block, BlockMember, Shader, ShaderAccess, ShaderStage};
+pub use shader::{Binding, BindingKind, Block, BlockMember, Input, Shader, ShaderAccess, ShaderStage};
 pub use types::{Accesses, Barrier, Bound, Sampler, Stages, Wrapping};
+pub use vertex::{VertexAttribute, VertexFormat, VertexLayout};

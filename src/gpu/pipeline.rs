@@ -3,6 +3,7 @@
 use super::device::{Gpu, failure};
 use super::format::Format;
 use super::shader::{Binding, BindingKind, Shader, ShaderAccess, ShaderStage};
+use super::vertex::VertexLayout;
 use anyhow::{Result, bail};
 use ash::vk;
 use std::collections::{BTreeMap, HashMap};
@@ -11,9 +12,10 @@ use std::collections::{BTreeMap, HashMap};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct PipelineId(u32);
 
-/// What a raster pipeline renders to. Depth is reversed everywhere: 1 is near, 0 is far, and the greater wins.
+/// What a raster pipeline draws, and what it renders to. Depth is reversed everywhere: 1 is near, 0 is far, and the greater wins.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct RasterState {
+    pub vertex: VertexLayout,
     pub color: Vec<Format>,
     pub depth: Option<Format>,
     /// Drops triangles that face away.
@@ -24,30 +26,6 @@ pub struct RasterState {
     /// [`ConservativeRasterization`](super::Feature::ConservativeRasterization).
     pub conservative: bool,
 }
-
-/// Where a vertex shader's input lies in a vertex: its name there, format and offset.
-#[derive(Debug, Clone, Copy)]
-pub struct VertexAttribute {
-    pub name: &'static str,
-    format: vk::Format,
-    offset: u32,
-}
-
-/// The attributes of [`crate::scene::Vertex`] by the names of the shaders' inputs.
-const VERTEX: [VertexAttribute; 5] = {
-    use crate::scene::Vertex;
-    use std::mem::offset_of;
-    const fn attribute(name: &'static str, format: vk::Format, offset: usize) -> VertexAttribute {
-        VertexAttribute { name, format, offset: offset as u32 }
-    }
-    [
-        attribute("position", vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, position)),
-        attribute("normal", vk::Format::R16G16_SNORM, offset_of!(Vertex, normal)),
-        attribute("uv", vk::Format::R32G32_SFLOAT, offset_of!(Vertex, uv)),
-        attribute("color", vk::Format::R8G8B8A8_UNORM, offset_of!(Vertex, color)),
-        attribute("tangent", vk::Format::R32_UINT, offset_of!(Vertex, tangent)),
-    ]
-};
 
 pub(super) struct PipelineSlot {
     pub handle: vk::Pipeline,
@@ -140,6 +118,7 @@ impl Gpu {
         state: &RasterState,
     ) -> Result<PipelineId> {
         let only: Vec<&Shader> = shaders.iter().map(|(shader, _)| *shader).collect();
+        let attributes = state.vertex.inputs(only[0])?;
         let prepared = self.prepare(name, &only, vk::PipelineBindPoint::GRAPHICS)?;
         let tessellated = only.iter().any(|shader| shader.stage == ShaderStage::TessellationControl);
         let constants: Vec<_> = shaders.iter().map(|(_, constants)| specialization(constants)).collect();
@@ -154,20 +133,7 @@ impl Gpu {
                     .specialization_info(&infos[i])
             })
             .collect();
-        let mut attributes = Vec::new();
-        for (input, location) in &only[0].inputs {
-            let Some(attribute) = VERTEX.iter().find(|attribute| attribute.name == input) else {
-                bail!("glsl/{}: a vertex has no {input}", only[0].name);
-            };
-            attributes.push(vk::VertexInputAttributeDescription {
-                location: *location,
-                binding: 0,
-                format: attribute.format,
-                offset: attribute.offset,
-            });
-        }
-        let buffers =
-            [vk::VertexInputBindingDescription { binding: 0, stride: size_of::<crate::scene::Vertex>() as u32, ..Default::default() }];
+        let buffers = [vk::VertexInputBindingDescription { binding: 0, stride: state.vertex.stride, ..Default::default() }];
         let vertex_input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_attribute_descriptions(&attributes)
             .vertex_binding_descriptions(if attributes.is_empty() { &[] } else { &buffers });

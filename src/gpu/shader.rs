@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, bail};
 use spirq::constant::ConstantValue;
 use spirq::prelude::*;
-use spirq::ty::{AccessType, DescriptorType, Type};
+use spirq::ty::{AccessType, DescriptorType, ScalarType, Type};
 use std::collections::{HashMap, HashSet};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -40,11 +40,21 @@ pub struct Shader {
     pub push_constants: Option<Block>,
     /// Specialization constants: name and id.
     pub constants: Vec<(String, u32)>,
-    /// Inputs of a vertex shader or outputs of a fragment shader: name and location.
-    pub inputs: Vec<(String, u32)>,
+    /// What a stage before it, or a vertex, gives it.
+    pub inputs: Vec<Input>,
+    /// Outputs of a fragment shader: name and location.
     pub outputs: Vec<(String, u32)>,
     /// Of a compute shader: the value, and the specialization constant that sets it.
     local_size: [(u32, Option<u32>); 3],
+}
+
+/// An input of a shader.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Input {
+    pub name: String,
+    pub location: u32,
+    /// Its type as GLSL spells it: `vec3`.
+    pub glsl: String,
 }
 
 /// A resource that a shader uses.
@@ -129,7 +139,9 @@ impl Shader {
                 }
                 Variable::PushConstant { ty, .. } => shader.push_constants = Some(block(&ty)),
                 Variable::SpecConstant { name, spec_id, .. } => shader.constants.push((name.unwrap_or_default(), spec_id)),
-                Variable::Input { name: Some(input), location, .. } => shader.inputs.push((input, location.loc())),
+                Variable::Input { name: Some(name), location, ty } => {
+                    shader.inputs.push(Input { name, location: location.loc(), glsl: glsl_name(&ty) });
+                }
                 Variable::Output { name: Some(output), location, .. } => shader.outputs.push((output, location.loc())),
                 _ => {}
             }
@@ -228,6 +240,22 @@ fn binding(shader: &str, name: String, kind: &DescriptorType, ty: &Type) -> Resu
         _ => bail!("glsl/{shader}: {name} is of a kind that passes do not bind: {kind:?}"),
     };
     Ok(Binding { name, kind, access })
+}
+
+/// A number's or a vector's type as GLSL spells it, any other as the reflection does.
+fn glsl_name(ty: &Type) -> String {
+    let (scalar, count) = match ty {
+        Type::Scalar(scalar) => (scalar, 1),
+        Type::Vector(vector) => (&vector.scalar_ty, vector.nscalar),
+        other => return other.to_string(),
+    };
+    let (one, many) = match scalar {
+        ScalarType::Float { bits: 32 } => ("float", "vec"),
+        ScalarType::Integer { bits: 32, is_signed: true } => ("int", "ivec"),
+        ScalarType::Integer { bits: 32, is_signed: false } => ("uint", "uvec"),
+        _ => return ty.to_string(),
+    };
+    if count == 1 { one.to_owned() } else { format!("{many}{count}") }
 }
 
 fn block(ty: &Type) -> Block {

@@ -1,7 +1,7 @@
 //! Passes and the sentences that declare them.
 
 use super::{Buffer, Element, Graph, Image, Resource, ShaderStruct};
-use crate::gpu::{BufferId, ImageId, Load, Sampler, ShaderAccess};
+use crate::gpu::{BufferId, ImageId, Load, Sampler, ShaderAccess, VertexLayout};
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
@@ -31,6 +31,8 @@ pub struct DrawList {
     pub blocks: Vec<ListBlock>,
     pub constants: Vec<(&'static str, u32)>,
     pub cull_back: bool,
+    /// How the vertices lie in their buffer.
+    pub vertex: VertexLayout,
     /// Vertices, and indices of 32 bits: of an import, or of what a pass has written.
     pub vertices: Buffer,
     pub indices: Buffer,

@@ -18,12 +18,14 @@ pub(super) struct PipelineKey {
 impl Engine {
     /// The pipeline of a pass, or of one of its draw lists, checked against what the pass declares.
     pub(super) fn pipeline(&mut self, graph: &Graph, pass: &Pass, list: Option<&DrawList>) -> Result<PipelineId> {
-        let raster = match &pass.work {
-            Work::Compute(_) => None,
-            Work::Raster { color, depth, conservative, .. } => Some(RasterState {
+        let raster = match (&pass.work, list) {
+            (Work::Compute(_), _) => None,
+            (Work::Raster { .. }, None) => unreachable!("a raster pass has a pipeline for each of its lists"),
+            (Work::Raster { color, depth, conservative, .. }, Some(list)) => Some(RasterState {
+                vertex: list.vertex,
                 color: color.iter().map(|target| target.image.format).collect(),
                 depth: depth.map(|(image, _)| image.format),
-                cull_back: list.is_some_and(|list| list.cull_back),
+                cull_back: list.cull_back,
                 additive: color.iter().any(|target| target.additive),
                 conservative: *conservative,
             }),

@@ -5,14 +5,17 @@
 //! them uniform to the shader: on a software driver, a fifth of a map's time.
 
 use crate::fail;
-use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, Wrapping};
+use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, VertexLayout, Wrapping};
 use crate::graph::{Buffer, DrawList, Graph, ListBlock, Member, ShaderStruct};
 use crate::scene::{Aabb, Draw, Filter, Map, Material, Scene, Vertex, Wrap};
-use crate::shader_struct;
+use crate::{shader_struct, vertex_layout};
 use anyhow::Result;
 use glam::Affine3A;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+
+/// How a scene's vertices lie in their buffer, and what shaders read them as.
+pub const VERTEX: VertexLayout = vertex_layout!(Vertex { position: Float3, normal: Snorm16x2, uv: Float2, color: Unorm8x4, tangent: Uint });
 
 shader_struct! {
     /// A draw: `glsl/lib/scene.glsl`.
@@ -341,6 +344,7 @@ impl FrameScene<'_> {
             constants,
             // The light's view keeps back faces: they stop light, whatever they show to the camera.
             cull_back: !key.double_sided && maps == Maps::All,
+            vertex: VERTEX,
             vertices: self.vertices,
             indices: self.indices,
             arguments,

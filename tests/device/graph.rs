@@ -1,10 +1,11 @@
 //! What the frame graph refuses, and what the validation layer sees that the graph was not asked about.
 
 use crate::common::*;
-use manylight::gpu::{Accesses, Barrier, Bound, BufferId, Format, Stages};
+use manylight::gpu::{Accesses, Barrier, Bound, BufferId, Format, Stages, VertexLayout};
 use manylight::graph::{Buffer, Engine, Execution, Graph, Image, Library};
 use manylight::scene::Vertex;
-use manylight::shader_struct;
+use manylight::world::device::VERTEX;
+use manylight::{shader_struct, vertex_layout};
 use std::collections::{BTreeMap, BTreeSet};
 
 const HEADER: &str = "#version 460\n#extension GL_EXT_scalar_block_layout : require\nlayout(local_size_x = 64) in;\n";
@@ -305,12 +306,22 @@ fn a_pass_that_lies_about_itself_is_refused_by_name() {
         (
             "outputs in another order",
             "pass test/raster: renders to [\"second\", \"first\"], the shader's outputs are [\"first\", \"second\"]",
-            Box::new(move |g| raster(g, ["second", "first"], image, nothing)),
+            Box::new(move |g| raster(g, ["second", "first"], VERTEX, image, nothing)),
         ),
         (
             "an output by another name",
             "pass test/raster: renders to [\"first\", \"other\"], the shader's outputs are [\"first\", \"second\"]",
-            Box::new(move |g| raster(g, ["first", "other"], image, nothing)),
+            Box::new(move |g| raster(g, ["first", "other"], VERTEX, image, nothing)),
+        ),
+        (
+            "a vertex without what the shader reads",
+            "glsl/test/raster.vert: a vertex has no position",
+            Box::new(move |g| raster(g, ["first", "second"], vertex_layout!(Skinned { joints: Uint, place: Float3 }), image, nothing)),
+        ),
+        (
+            "a vertex that has it as another type",
+            "glsl/test/raster.vert: position is a vec3, a vertex has it as a vec2",
+            Box::new(move |g| raster(g, ["first", "second"], vertex_layout!(Flat { position: Float2 }), image, nothing)),
         ),
     ];
     for (what, expected, describe) in cases {
@@ -320,7 +331,26 @@ fn a_pass_that_lies_about_itself_is_refused_by_name() {
     finish(&engine.gpu);
 }
 
-fn raster(g: &mut Graph, outputs: [&'static str; 2], image: impl Fn(&mut Graph) -> Image, nothing: BufferId) {
+#[repr(C)]
+struct Skinned {
+    joints: u32,
+    place: [f32; 3],
+}
+
+#[repr(C)]
+struct Flat {
+    position: [f32; 2],
+}
+
+#[test]
+fn a_vertex_layout_says_where_its_fields_lie() {
+    let places = |layout: VertexLayout| layout.attributes.iter().map(|a| (a.name, a.format.glsl(), a.offset)).collect::<Vec<_>>();
+    assert_eq!(places(vertex_layout!(Skinned { place: Float3, joints: Uint })), [("place", "vec3", 4), ("joints", "uint", 0)]);
+    let expected = [("position", "vec3", 0), ("normal", "vec2", 12), ("uv", "vec2", 16), ("color", "vec4", 24), ("tangent", "uint", 28)];
+    assert_eq!((places(VERTEX), VERTEX.stride), (expected.to_vec(), 32));
+}
+
+fn raster(g: &mut Graph, outputs: [&'static str; 2], vertex: VertexLayout, image: impl Fn(&mut Graph) -> Image, nothing: BufferId) {
     let (a, b) = (image(g), g.image("other image", Format::Rgba16Float, [8, 8]));
     // Nothing is drawn: the refusal comes before any command, so the geometry only has to be named.
     let arguments = g.upload("arguments", &[0u32; 5]);
@@ -331,6 +361,7 @@ fn raster(g: &mut Graph, outputs: [&'static str; 2], image: impl Fn(&mut Graph) 
         blocks: Vec::new(),
         constants: Vec::new(),
         cull_back: false,
+        vertex,
         vertices,
         indices,
         arguments,

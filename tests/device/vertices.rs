@@ -4,7 +4,7 @@ use crate::common::*;
 use manylight::gpu::{Accesses, Attachment, Barrier, Bound, Format, Gpu, ImageDesc, Load, RasterState, Stages};
 use manylight::graph::{DrawList, Engine, Execution, Graph, Library, Timing};
 use manylight::scene::Vertex;
-use manylight::world::device::DrawArguments;
+use manylight::world::device::{DrawArguments, VERTEX};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A triangle over all of the picture.
@@ -43,6 +43,7 @@ fn a_draw_waits_for_the_pass_that_makes_its_vertices() {
             blocks: Vec::new(),
             constants: Vec::new(),
             cull_back: false,
+            vertex: VERTEX,
             vertices,
             indices,
             arguments,
@@ -72,6 +73,7 @@ fn vertices_that_no_pass_has_made_are_refused() {
         blocks: Vec::new(),
         constants: Vec::new(),
         cull_back: false,
+        vertex: VERTEX,
         vertices,
         indices,
         arguments,
@@ -92,7 +94,14 @@ fn make_then_draw(ordered: bool) -> Vec<String> {
         .prepare(&["test/make.comp", "test/draw.vert", "test/draw.frag"].map(str::to_owned).into_iter().collect::<BTreeSet<_>>())
         .unwrap();
     let make = gpu.create_compute_pipeline("test/make", library.get("test/make.comp"), &[]).unwrap();
-    let state = RasterState { color: vec![Format::Rgba32Float], depth: None, cull_back: false, additive: false, conservative: false };
+    let state = RasterState {
+        vertex: VERTEX,
+        color: vec![Format::Rgba32Float],
+        depth: None,
+        cull_back: false,
+        additive: false,
+        conservative: false,
+    };
     let stages = ["test/draw.vert", "test/draw.frag"].map(|path| (library.get(path), Vec::new()));
     let draw = gpu.create_raster_pipeline("test/draw", &stages, &state).unwrap();
     let vertices = gpu.create_buffer("made", 3 * size_of::<Vertex>() as u64).unwrap();

@@ -279,19 +279,10 @@ fn bad_input_ends_with_one_sentence_its_code_and_no_output() {
     assert_eq!(files(&place, "refused"), Vec::<String>::new());
 }
 
-fn copy_folder(from: &Path, to: &Path) {
-    fs::create_dir_all(to).unwrap();
-    for entry in fs::read_dir(from).unwrap() {
-        let path = entry.unwrap().path();
-        let target = to.join(path.file_name().unwrap());
-        if path.is_dir() { copy_folder(&path, &target) } else { fs::copy(&path, &target).map(|_| ()).unwrap() }
-    }
-}
-
 #[test]
 fn a_broken_shader_is_reported_with_its_file_and_line() {
     let place = Place::new(&[("box.toml", BOX)]);
-    copy_folder(&Path::new(env!("CARGO_MANIFEST_DIR")).join("glsl"), &place.path("glsl"));
+    place.copy_shaders("glsl");
     let broken = place.path("glsl/compose/sum.glsl");
     let good = fs::read_to_string(&broken).unwrap();
     let line = good.lines().position(|line| line.contains("vec3 shown")).unwrap() + 1;

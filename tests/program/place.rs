@@ -52,6 +52,11 @@ impl Place {
         serde_json::from_slice(&self.read(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
+    /// A copy of the shaders, for a test to edit.
+    pub fn copy_shaders(&self, to: &str) {
+        copy_folder(&Path::new(env!("CARGO_MANIFEST_DIR")).join("glsl"), &self.path(to));
+    }
+
     /// The names of all files and folders in a folder.
     #[track_caller]
     pub fn names(&self, folder: &str) -> Vec<String> {
@@ -142,4 +147,13 @@ pub fn ended(what: &str, output: &Output, code: i32, says: &[&str]) -> String {
 #[track_caller]
 pub fn failed(what: &str, output: &Output, code: i32, says: &[&str]) {
     assert_eq!(ended(what, output, code, says), "", "{what}");
+}
+
+fn copy_folder(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let target = to.join(path.file_name().unwrap());
+        if path.is_dir() { copy_folder(&path, &target) } else { fs::copy(&path, &target).map(|_| ()).unwrap() }
+    }
 }

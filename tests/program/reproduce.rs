@@ -3,7 +3,7 @@
 use crate::place::{Place, text};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::process::{Command, Output};
 
 const TABLE: &str = r#"
 title = "Small"
@@ -64,9 +64,14 @@ impl Tables {
     }
 
     /// With a cache of its own for truths.
-    fn run(&self, options: &[&str]) -> Output {
+    fn command(&self, options: &[&str]) -> Command {
         let mut command = self.0.command("reproduce small.toml --quiet");
-        command.args(options).env("XDG_CACHE_HOME", self.path("cache")).output().unwrap()
+        command.args(options).env("XDG_CACHE_HOME", self.path("cache"));
+        command
+    }
+
+    fn run(&self, options: &[&str]) -> Output {
+        self.command(options).output().unwrap()
     }
 
     fn table(&self, options: &[&str], folder: &str) -> Value {
@@ -154,6 +159,31 @@ fn a_sweep_goes_on_where_it_was_left() {
     assert_eq!(without_times(&again), without_times(&first));
     place.table(&[], "out");
     assert_ne!(changed(&run(0)), before, "without --resume all is done again");
+}
+
+#[test]
+fn a_sweep_does_not_go_on_from_runs_of_other_shaders() {
+    let place = Tables::new();
+    let first = place.table(&[], "out");
+    place.0.copy_shaders("glsl");
+    let shader = place.path("glsl/compose/sum.comp");
+    let source = std::fs::read_to_string(&shader).unwrap();
+    let runs = || [0, 1].map(|row| place.0.json(&format!("out/small/runs/{}/run.json", first["cells"][row][0]["run"].as_str().unwrap())));
+    let resume = || {
+        let output = place.command(&["-o", "out", "--resume"]).env("MANYLIGHT_GLSL", place.path("glsl")).output().unwrap();
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        runs()
+    };
+    let before = runs();
+    assert_eq!(resume(), before, "the same shaders from a folder");
+    std::fs::write(&shader, source + "// edited\n").unwrap();
+    let after = resume();
+    for (before, after) in before.iter().zip(&after) {
+        assert_ne!(before["shaders"], after["shaders"]);
+        assert_eq!(before["counts"]["vpls/lit"], after["counts"]["vpls/lit"]);
+    }
+    assert_eq!(after[0]["shaders"], after[1]["shaders"], "one run was left as it was");
+    assert_eq!(without_times(&place.json("out")), without_times(&first));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `flicker.json`: how much a picture changes from frame to frame.
 
-use super::folders::{Record, json};
+use super::files::{Record, json};
 use crate::report::Provenance;
 use anyhow::Result;
 use serde_json::Value;

@@ -9,7 +9,7 @@ use super::numbers;
 use super::plot::{self, Line};
 use super::provenance::{Origins, origins, parts};
 use super::record::RecordView;
-use super::set::{Member, SetView, set_view};
+use super::set::{Member, RunView, SetView, set_view};
 use super::stages::{StageTable, stage_table};
 use super::table_view::{self, TableView};
 use crate::metrics::LayerPair;
@@ -38,30 +38,6 @@ pub struct GroupView {
     pub flickers: Vec<FlickerView>,
     pub records: Vec<RecordView>,
     pub missing: Vec<String>,
-}
-
-/// A run's figures.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct RunView {
-    pub id: String,
-    pub label: String,
-    /// Of its note in [`Origins`].
-    pub mark: Option<String>,
-    /// `cpu` or `gpu`, where the group has both.
-    pub kind: Option<String>,
-    /// Milliseconds.
-    pub median: Option<String>,
-    /// Milliseconds, from the 5th to the 95th percentile.
-    pub range: Option<String>,
-    /// Frames.
-    pub n: Option<usize>,
-    pub relmse: Option<String>,
-    pub flip: Option<String>,
-    pub energy: Option<String>,
-    /// Why it has no errors.
-    pub why: Option<String>,
-    pub picture: Option<Picture>,
-    pub heatmap: Option<Picture>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -5,6 +5,7 @@
 
 mod axis;
 mod errors;
+mod files;
 mod flicker;
 mod folders;
 mod group;
@@ -34,7 +35,8 @@ pub fn report(folders: &[PathBuf], layers: &LayerPair) -> Result<String> {
 
 #[cfg(test)]
 mod samples {
-    use super::folders::{Record, Run};
+    use super::files::Record;
+    use super::folders::Run;
     use crate::report::{Timings, samples::provenance};
     use serde_json::json;
     use std::path::PathBuf;

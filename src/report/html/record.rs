@@ -1,6 +1,7 @@
 //! What a run's record says, as folded text.
 
-use super::folders::{Record, Run};
+use super::files::Record;
+use super::folders::Run;
 use super::numbers;
 use super::provenance::parts;
 use crate::config::{self, Config};

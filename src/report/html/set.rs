@@ -1,8 +1,7 @@
 //! Runs that have the same reference, or none: their pictures side by side, and their errors against their times.
 
-use super::errors::Errors;
+use super::errors::{Errors, Picture};
 use super::folders::Run;
-use super::group::RunView;
 use super::plot::{Sample, Scatter, scatter};
 use super::record::reference_facts;
 use serde::Serialize;
@@ -18,6 +17,30 @@ pub struct SetView {
     /// Whether these show FLIP, which only colours have.
     pub has_flip: bool,
     pub plots: Vec<PlotView>,
+}
+
+/// A run's figures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunView {
+    pub id: String,
+    pub label: String,
+    /// Of its note in [`super::provenance::Origins`].
+    pub mark: Option<String>,
+    /// `cpu` or `gpu`, where the group has both.
+    pub kind: Option<String>,
+    /// Milliseconds.
+    pub median: Option<String>,
+    /// Milliseconds, from the 5th to the 95th percentile.
+    pub range: Option<String>,
+    /// Frames.
+    pub n: Option<usize>,
+    pub relmse: Option<String>,
+    pub flip: Option<String>,
+    pub energy: Option<String>,
+    /// Why it has no errors.
+    pub why: Option<String>,
+    pub picture: Option<Picture>,
+    pub heatmap: Option<Picture>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]

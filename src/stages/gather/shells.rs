@@ -3,7 +3,7 @@
 use crate::gpu::{BufferId, Feature, Gpu};
 use crate::graph::{Buffer, DrawList, Graph};
 use crate::scene::{Vertex, pack};
-use crate::world::device::DrawArguments;
+use crate::world::device::{DrawArguments, VERTEX};
 use anyhow::Result;
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -107,6 +107,7 @@ impl FrameShells<'_> {
             blocks: Vec::new(),
             constants,
             cull_back: far_sides,
+            vertex: VERTEX,
             vertices: self.vertices,
             indices: self.indices,
             arguments: g.upload(name, &[arguments]),

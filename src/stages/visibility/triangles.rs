@@ -5,7 +5,7 @@ use crate::gpu::{BufferId, Gpu};
 use crate::graph::{Buffer, DrawList, Graph};
 use crate::scene::Scene;
 use crate::shader_struct;
-use crate::world::device::{DrawArguments, FrameScene};
+use crate::world::device::{DrawArguments, FrameScene, VERTEX};
 use anyhow::Result;
 use rayon::prelude::*;
 
@@ -101,6 +101,7 @@ impl Triangles {
             blocks: Vec::new(),
             constants: Vec::new(),
             cull_back: false,
+            vertex: VERTEX,
             vertices: scene.vertices,
             indices: scene.indices,
             arguments,
