@@ -392,7 +392,7 @@ fn paths_start_from_the_file_that_says_them_and_from_the_current_folder_for_set(
 }
 
 /// A config that sets every key that goes with the atrium to something other than its default.
-const FULL: &str = include_str!("fuzz/seeds/config/full.toml");
+const FULL: &str = include_str!("../fuzz/seeds/config/full.toml");
 
 #[test]
 fn a_resolved_config_is_written_as_toml_that_loads_to_the_same_value() {

@@ -1,10 +1,6 @@
 //! A glTF file that moves, as the program's users meet it: sequences, walks, references and exports show each frame's time.
 
-#[allow(dead_code)] // The loader's tests use the rest.
-#[path = "gltf/make.rs"]
-mod make;
-
-use make::{Make, push};
+use crate::make::{Make, push};
 use serde_json::json;
 use std::fs;
 use std::path::PathBuf;

@@ -2,7 +2,7 @@
 
 use manylight::{config, presets};
 
-const README: &str = include_str!("../README.md");
+const README: &str = include_str!("../../README.md");
 
 #[test]
 fn the_readme_lists_every_key_of_the_config_as_the_program_knows_it() {

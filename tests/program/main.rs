@@ -1,0 +1,16 @@
+//! The program and the library from the outside: commands as their users meet them, configs, exports, the README.
+
+mod animated;
+mod bench;
+mod cli;
+mod compare;
+mod config;
+mod export;
+#[path = "../gltf/make.rs"]
+#[allow(dead_code)] // The loader's tests use the rest.
+mod make;
+mod readme;
+mod reference;
+mod report;
+mod reproduce;
+mod walks;
