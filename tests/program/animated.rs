@@ -1,98 +1,50 @@
 //! A glTF file that moves, as the program's users meet it: sequences, walks, references and exports show each frame's time.
 
 use crate::make::{Make, push};
+use crate::place::Place;
 use serde_json::json;
 use std::fs;
 use std::path::PathBuf;
-use std::process::{Command, Output};
 
 const CONFIG: &str = "[scene]\nfile = \"slide.glb\"\n[frame]\nsize = [48, 36]\ncount = 3\nfps = 1\nwarmup = 0\n[rsm]\nsize = [32, 32]\n\
                       [vpls]\ncount = 32\n[[light]]\nkind = \"directional\"\ndirection = [0, -1, -2]\nirradiance = [3, 3, 3]\n";
 
-struct Place(tempfile::TempDir);
-
-impl Place {
-    /// A square that slides before another one: to the right in its first animation, upwards in its second.
-    fn new() -> Self {
-        let mut make = Make::square();
-        make.json["nodes"] = json!([
-            {"mesh": 0, "translation": [-3, -3, -1], "scale": [6, 6, 1]},
-            {"mesh": 0, "name": "slide"},
-            {"camera": 0, "translation": [0, 0, 4]},
-        ]);
-        make.json["scenes"][0]["nodes"] = json!([0, 1, 2]);
-        make.json["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]);
-        make.animate(1, "translation", "LINEAR", &[0.0, 4.0], &[-1.5, -0.5, 0.0, 1.5, -0.5, 0.0]);
-        make.json["animations"][0]["name"] = json!("right");
-        let mut up = make.json["animations"][0].clone();
-        up["name"] = json!("up");
-        up["samplers"][0]["output"] = json!(make.floats("VEC3", &[-1.5, -0.5, 0.0, -1.5, 1.5, 0.0]));
-        push(&mut make.json["animations"], up);
-        let place = Self(tempfile::tempdir().unwrap());
-        fs::write(place.path("slide.glb"), make.glb()).unwrap();
-        fs::write(place.path("slide.toml"), CONFIG).unwrap();
-        place
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn run(&self, line: &str) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_manylight"));
-        command.current_dir(self.0.path()).args(line.split_whitespace());
-        if !line.starts_with("export") {
-            command.args(["--device", "cpu"]);
-        }
-        for variable in ["MANYLIGHT_FAULT", "MANYLIGHT_GLSL"] {
-            command.env_remove(variable);
-        }
-        command.output().unwrap()
-    }
-
-    /// Both of its outputs.
-    #[track_caller]
-    fn succeeds(&self, line: &str) -> [String; 2] {
-        let output = self.run(line);
-        assert_eq!(output.status.code(), Some(0), "{line}: {}", text(&output.stderr));
-        [text(&output.stdout), text(&output.stderr)]
-    }
-
-    /// Ends with code 2 and one line on stderr that says all of this.
-    #[track_caller]
-    fn refuses(&self, line: &str, says: &[&str]) {
-        let output = self.run(line);
-        let stderr = text(&output.stderr);
-        assert_eq!((output.status.code(), stderr.lines().count()), (Some(2), 1), "{line}: {stderr}");
-        for part in says {
-            assert!(stderr.contains(part), "{line}: {part:?} is not in {stderr}");
-        }
-    }
-
-    fn read(&self, file: &str) -> Vec<u8> {
-        fs::read(self.path(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
-    }
-
-    /// The pictures of a sequence of three frames.
-    fn frames(&self, folder: &str) -> [Vec<u8>; 3] {
-        [0, 1, 2].map(|frame| self.read(&format!("{folder}/frames/{frame:04}.png")))
-    }
+/// A square that slides before another one: to the right in its first animation, upwards in its second.
+fn slide() -> Place {
+    let mut make = Make::square();
+    make.json["nodes"] = json!([
+        {"mesh": 0, "translation": [-3, -3, -1], "scale": [6, 6, 1]},
+        {"mesh": 0, "name": "slide"},
+        {"camera": 0, "translation": [0, 0, 4]},
+    ]);
+    make.json["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    make.json["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]);
+    make.animate(1, "translation", "LINEAR", &[0.0, 4.0], &[-1.5, -0.5, 0.0, 1.5, -0.5, 0.0]);
+    make.json["animations"][0]["name"] = json!("right");
+    let mut up = make.json["animations"][0].clone();
+    up["name"] = json!("up");
+    up["samplers"][0]["output"] = json!(make.floats("VEC3", &[-1.5, -0.5, 0.0, -1.5, 1.5, 0.0]));
+    push(&mut make.json["animations"], up);
+    let place = Place::new(&[("slide.toml", CONFIG)]);
+    place.write("slide.glb", make.glb());
+    place
 }
 
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
+/// The pictures of a sequence of three frames.
+fn frames(place: &Place, folder: &str) -> [Vec<u8>; 3] {
+    [0, 1, 2].map(|frame| place.read(&format!("{folder}/frames/{frame:04}.png")))
 }
 
 #[test]
 fn a_sequence_shows_each_frames_time() {
-    let place = Place::new();
-    let [_, warnings] = place.succeeds("render slide.toml --sequence -o right");
+    let place = slide();
+    let [_, warnings] = place.says("render slide.toml --sequence -o right");
     assert!(!warnings.contains("warning"), "{warnings}");
-    let right = place.frames("right");
+    let right = frames(&place, "right");
     assert!(right[0] != right[1] && right[1] != right[2]);
     // Rays see the same, but for the soft edges that the shadow map makes of its texels.
     place.succeeds("render slide.toml --sequence -o rays --set direct.shadows=\"ray-traced\" --set visibility.method=\"ray-traced\"");
-    let rays = place.frames("rays");
+    let rays = frames(&place, "rays");
     assert!(rays[0] != rays[1] && rays[1] != rays[2]);
     // A picture is the frame that a sequence has of that time, from wherever it starts: the last, or one of another rate.
     place.succeeds("render slide.toml -o last");
@@ -106,11 +58,11 @@ fn a_sequence_shows_each_frames_time() {
 
 #[test]
 fn an_animation_is_chosen_by_name_or_index_or_left_out() {
-    let place = Place::new();
+    let place = slide();
     for (choice, folder) in [("\"right\"", "right"), ("1", "one"), ("\"up\"", "up"), ("\"none\"", "none")] {
         place.succeeds(&format!("render slide.toml --sequence -o {folder} --set scene.animation={choice}"));
     }
-    let [right, one, up, none] = ["right", "one", "up", "none"].map(|folder| place.frames(folder));
+    let [right, one, up, none] = ["right", "one", "up", "none"].map(|folder| frames(&place, folder));
     assert!(one == up && up[0] == right[0] && up[1] != right[1]);
     assert!(none[0] == none[1] && none[1] == none[2] && none[0] != right[0]);
     let there_is = "slide.glb: it has no animation \"left\"; there is animation 0 (\"right\"), animation 1 (\"up\")";
@@ -120,19 +72,19 @@ fn an_animation_is_chosen_by_name_or_index_or_left_out() {
 
 #[test]
 fn a_walk_in_which_only_the_scene_moves_is_one() {
-    let place = Place::new();
-    let [stdout, stderr] = place.succeeds("flicker slide.toml -o walk");
+    let place = slide();
+    let [stdout, stderr] = place.says("flicker slide.toml -o walk");
     assert!(!stderr.contains("nothing moves"), "{stderr}");
     assert!(!stdout.contains("flicker 0 "), "the square's shadow and light move: {stdout}");
-    let [_, stderr] = place.succeeds("flicker slide.toml -o still --set scene.animation=\"none\"");
+    let [_, stderr] = place.says("flicker slide.toml -o still --set scene.animation=\"none\"");
     assert!(stderr.contains("nothing moves"), "{stderr}");
 }
 
 #[test]
 fn a_reference_is_of_its_frame_and_of_its_animation() {
-    let place = Place::new();
+    let place = slide();
     place.succeeds("reference slide.toml --sequence --spp 2 --bounces 1 -o all");
-    let all = place.frames("all");
+    let all = frames(&place, "all");
     assert!(all[0] != all[1] && all[1] != all[2]);
     place.succeeds("reference slide.toml --frame 1 --spp 2 --bounces 1 -o one");
     assert!(place.read("one/image.png") == all[1]);
@@ -143,7 +95,7 @@ fn a_reference_is_of_its_frame_and_of_its_animation() {
 
 #[test]
 fn an_export_is_of_the_frame_that_is_asked_for() {
-    let place = Place::new();
+    let place = slide();
     let scene = |arguments: &str| {
         place.succeeds(&format!("export mitsuba slide.toml -o out {arguments}"));
         let mut files: Vec<PathBuf> = fs::read_dir(place.path("out/meshes")).unwrap().map(|entry| entry.unwrap().path()).collect();

@@ -1,13 +1,10 @@
 //! `manylight bench` and `--trace` as their users meet them.
 
+use crate::place::{BOX, Place, text};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::PathBuf;
-use std::process::{Command, Output};
 
-const SMALL: &str =
-    "[scene]\nbuiltin = \"cornell\"\n[frame]\nsize = [64, 48]\ncount = 2\nwarmup = 1\n[rsm]\nsize = [64, 64]\n[vpls]\ncount = 64\n";
 const PASSES: [&str; 11] = [
     "gbuffer/draw",
     "rsm/draw",
@@ -22,54 +19,9 @@ const PASSES: [&str; 11] = [
     "compose/sum",
 ];
 
-struct Place(tempfile::TempDir);
-
-impl Place {
-    fn new() -> Self {
-        let place = Self(tempfile::tempdir().unwrap());
-        fs::write(place.path("box.toml"), SMALL).unwrap();
-        place
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn run(&self, line: &str) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_manylight"));
-        command.current_dir(self.0.path()).args(line.split_whitespace()).args(["--device", "cpu"]);
-        for variable in ["MANYLIGHT_FAULT", "MANYLIGHT_GLSL"] {
-            command.env_remove(variable);
-        }
-        command.output().unwrap()
-    }
-
-    #[track_caller]
-    fn succeeds(&self, line: &str) -> String {
-        let output = self.run(line);
-        assert_eq!(output.status.code(), Some(0), "{line}: {}", text(&output.stderr));
-        text(&output.stdout)
-    }
-
-    fn json(&self, name: &str) -> Value {
-        serde_json::from_slice(&fs::read(self.path(name)).unwrap()).unwrap()
-    }
-
-    fn names(&self, folder: &str) -> Vec<String> {
-        let mut names: Vec<String> =
-            fs::read_dir(self.path(folder)).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
-        names.sort();
-        names
-    }
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
 #[test]
 fn a_bench_prints_stages_and_passes_and_ends_with_one_line_to_paste() {
-    let place = Place::new();
+    let place = Place::new(&[("box.toml", BOX)]);
     let stdout = place.succeeds("bench box.toml --runs 3 --set gather.interleave=2 -o out --verbose");
     for pass in PASSES {
         assert!(stdout.lines().any(|line| line.starts_with(&format!("  {pass} "))), "{pass} is not in {stdout}");
@@ -106,7 +58,7 @@ fn a_bench_prints_stages_and_passes_and_ends_with_one_line_to_paste() {
 
 #[test]
 fn a_bench_writes_nothing_unasked_and_can_say_less_or_speak_json() {
-    let place = Place::new();
+    let place = Place::new(&[("box.toml", BOX)]);
     let quiet = place.succeeds("bench box.toml --runs 1 --warmup 0 --quiet --timing serial");
     assert_eq!(quiet.lines().count(), 1, "{quiet}");
     assert!(quiet.starts_with("manylight ") && quiet.contains(" · serial · n=1 · "), "{quiet}");
@@ -121,7 +73,7 @@ fn a_bench_writes_nothing_unasked_and_can_say_less_or_speak_json() {
 
 #[test]
 fn a_verbose_render_lists_passes_counts_and_memory() {
-    let place = Place::new();
+    let place = Place::new(&[("box.toml", BOX)]);
     let stdout = place.succeeds("render box.toml -o out --verbose --frames 1");
     for part in ["  gather/tiled ", "vpls/lit ", "  compose/radiance ", "memory of a frame"] {
         assert!(stdout.contains(part), "{part:?} is not in {stdout}");
@@ -176,7 +128,7 @@ fn slices(trace: &Value) -> [Vec<Slice>; 2] {
 
 #[test]
 fn a_trace_shows_the_hosts_work_nested_and_every_pass_of_every_frame_in_order() {
-    let place = Place::new();
+    let place = Place::new(&[("box.toml", BOX)]);
     for timing in ["isolated", "overlapped", "serial"] {
         place.succeeds(&format!("bench box.toml --runs 3 --warmup 1 --quiet --trace traces/{timing}.json --timing {timing}"));
         let trace = place.json(&format!("traces/{timing}.json"));
@@ -214,7 +166,7 @@ fn a_trace_shows_the_hosts_work_nested_and_every_pass_of_every_frame_in_order() 
 
 #[test]
 fn renders_and_references_write_traces_too() {
-    let place = Place::new();
+    let place = Place::new(&[("box.toml", BOX)]);
     place.succeeds("render box.toml -o out --quiet --frames 1 --trace out/trace.json");
     let [host, device] = slices(&place.json("out/trace.json"));
     assert_eq!(device.len(), 2 * PASSES.len());

@@ -1,5 +1,6 @@
 //! The program as its users meet it: files, exit codes, and one sentence for whatever goes wrong.
 
+use crate::place::{BOX, Place, failed, text};
 use manylight::output::read_exr;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -7,69 +8,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A folder of its own for a test, with a cache that it shares with the others.
-struct Place(tempfile::TempDir);
-
-impl Place {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
-        let path = self.path(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(&path, content).unwrap();
-        path
-    }
-
-    /// A small picture of the built-in box.
-    fn config(&self, more: &str) -> PathBuf {
-        self.write("box.toml", format!("{SMALL}{more}"))
-    }
-
-    /// The program in this folder.
-    fn manylight(&self) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_manylight"));
-        command.current_dir(self.0.path());
-        for variable in ["MANYLIGHT_FAULT", "MANYLIGHT_GLSL"] {
-            command.env_remove(variable);
-        }
-        command
-    }
-
-    /// Every file below a folder of this one, by its path there.
-    fn files(&self, folder: &str) -> Vec<String> {
-        let root = self.path(folder);
-        let mut files = Vec::new();
-        let mut open = vec![root.clone()];
-        while let Some(folder) = open.pop() {
-            for entry in fs::read_dir(&folder).into_iter().flatten() {
-                let path = entry.unwrap().path();
-                if path.is_dir() {
-                    open.push(path);
-                } else {
-                    files.push(path.strip_prefix(&root).unwrap().to_string_lossy().into_owned());
-                }
-            }
-        }
-        files.sort();
-        files
-    }
-}
-
-const SMALL: &str =
-    "[scene]\nbuiltin = \"cornell\"\n[frame]\nsize = [64, 48]\ncount = 2\nwarmup = 1\n[rsm]\nsize = [64, 64]\n[vpls]\ncount = 64\n";
-
 fn run(command: &mut Command) -> Output {
     command.output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 #[track_caller]
@@ -77,23 +17,29 @@ fn succeeded(output: &Output) {
     assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
 }
 
-/// Ends with this code, nothing on stdout, and one line on stderr that says all of this.
-#[track_caller]
-fn failed(what: &str, output: &Output, code: i32, says: &[&str]) {
-    let stderr = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{what}: {stderr}");
-    assert_eq!(text(&output.stdout), "", "{what}");
-    assert_eq!(stderr.lines().count(), 1, "{what}: {stderr}");
-    assert!(stderr.starts_with("manylight: "), "{what}: {stderr}");
-    for part in says {
-        assert!(stderr.contains(part), "{what}: {part:?} is not in {stderr}");
+/// Every file below a folder, by its path there; none where there is no such folder.
+fn files(place: &Place, folder: &str) -> Vec<String> {
+    let root = place.path(folder);
+    let mut files = Vec::new();
+    let mut open = vec![root.clone()];
+    while let Some(folder) = open.pop() {
+        for entry in fs::read_dir(&folder).into_iter().flatten() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else {
+                files.push(path.strip_prefix(&root).unwrap().to_string_lossy().into_owned());
+            }
+        }
     }
+    files.sort();
+    files
 }
 
 #[test]
 fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
-    let place = Place::new();
-    let config = place.config("");
+    let place = Place::new(&[("box.toml", BOX)]);
+    let config = place.path("box.toml");
     let output = run(place.manylight().args([
         "render",
         "box.toml",
@@ -113,7 +59,7 @@ fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
     for part in ["gather", "gbuffer", "image.png", "median", "cpu"] {
         assert!(stdout.contains(part), "{part:?} is not in {stdout}");
     }
-    let files = place.files("out");
+    let files = files(&place, "out");
     let plain: Vec<&String> = files.iter().filter(|file| !file.starts_with("dump")).collect();
     assert_eq!(plain, ["image.exr", "image.png", "run.json", "timings.csv"]);
     assert_eq!(files.len() - plain.len(), 6, "the map's three images, the sum's three: {files:?}");
@@ -173,8 +119,7 @@ fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
 
 #[test]
 fn quiet_prints_the_pictures_place_alone_and_a_config_alone_renders() {
-    let place = Place::new();
-    place.config("");
+    let place = Place::new(&[("box.toml", BOX)]);
     let output = run(place.manylight().args(["box.toml", "--quiet", "--device", "cpu"]));
     succeeded(&output);
     assert_eq!(text(&output.stdout).trim_end(), Path::new("out/box/image.png").display().to_string());
@@ -183,8 +128,8 @@ fn quiet_prints_the_pictures_place_alone_and_a_config_alone_renders() {
 
 #[test]
 fn the_program_runs_in_any_folder_and_its_second_start_compiles_nothing() {
-    let place = Place::new();
-    let config = place.config("");
+    let place = Place::new(&[("box.toml", BOX)]);
+    let config = place.path("box.toml");
     let elsewhere = place.path("some/other/folder");
     fs::create_dir_all(&elsewhere).unwrap();
     let cached = || -> BTreeMap<PathBuf, (u64, std::time::SystemTime)> {
@@ -193,7 +138,7 @@ fn the_program_runs_in_any_folder_and_its_second_start_compiles_nothing() {
             let data = fs::metadata(&path).unwrap();
             (path, (data.len(), data.modified().unwrap()))
         };
-        place.files("cache/manylight").iter().map(state).collect()
+        files(&place, "cache/manylight").iter().map(state).collect()
     };
     let start = |device_cache: &str| {
         let mut command = place.manylight();
@@ -205,12 +150,12 @@ fn the_program_runs_in_any_folder_and_its_second_start_compiles_nothing() {
     assert!(first.len() >= 9, "one file a shader: {first:?}");
     succeeded(&start("mesa"));
     assert_eq!(cached(), first, "the second start wrote to the cache");
-    assert_eq!(place.files("some/other/folder/out"), ["image.exr", "image.png", "run.json", "timings.csv"]);
+    assert_eq!(files(&place, "some/other/folder/out"), ["image.exr", "image.png", "run.json", "timings.csv"]);
 }
 
 #[test]
 fn list_and_doctor_say_what_there_is() {
-    let place = Place::new();
+    let place = Place::new(&[]);
     let list = run(place.manylight().arg("list"));
     succeeded(&list);
     let stdout = text(&list.stdout);
@@ -250,8 +195,7 @@ const LIGHT: &str = "[[light]]\nkind = \"directional\"\ndirection = [0.0, 0.0, -
 
 #[test]
 fn bad_input_ends_with_one_sentence_its_code_and_no_output() {
-    let place = Place::new();
-    place.config("");
+    let place = Place::new(&[("box.toml", BOX)]);
     place.write("good.glb", triangle(|_, _| {}));
     let whole = triangle(|_, _| {});
     place.write("cut.glb", &whole[..whole.len() - 20]);
@@ -284,7 +228,7 @@ fn bad_input_ends_with_one_sentence_its_code_and_no_output() {
     place.write("syntax.toml", "[frame\nsize = [1, 2]\n");
     place.write(
         "huge.toml",
-        format!("{SMALL}[materials]\n").replace("size = [64, 48]", "size = [16384, 16384]").replace("16384, 16384", "16385, 8"),
+        format!("{BOX}[materials]\n").replace("size = [64, 48]", "size = [16384, 16384]").replace("16384, 16384", "16385, 8"),
     );
     place.write("in-the-way", "a file where a folder should be");
 
@@ -314,7 +258,7 @@ fn bad_input_ends_with_one_sentence_its_code_and_no_output() {
             command.args(["--device", "cpu"]);
         }
         failed(what, &run(&mut command), *code, says);
-        assert_eq!(place.files("refused"), Vec::<String>::new(), "{what}");
+        assert_eq!(files(&place, "refused"), Vec::<String>::new(), "{what}");
     }
     failed(
         "an output folder under a file",
@@ -332,7 +276,7 @@ fn bad_input_ends_with_one_sentence_its_code_and_no_output() {
     failed("rendering without any driver", &folders[0], 3, &["mesa-vulkan-drivers"]);
     assert_eq!(folders[1].status.code(), Some(3), "{}", text(&folders[1].stderr));
     assert!(text(&folders[1].stderr).contains("mesa-vulkan-drivers"));
-    assert_eq!(place.files("refused"), Vec::<String>::new());
+    assert_eq!(files(&place, "refused"), Vec::<String>::new());
 }
 
 fn copy_folder(from: &Path, to: &Path) {
@@ -346,8 +290,7 @@ fn copy_folder(from: &Path, to: &Path) {
 
 #[test]
 fn a_broken_shader_is_reported_with_its_file_and_line() {
-    let place = Place::new();
-    place.config("");
+    let place = Place::new(&[("box.toml", BOX)]);
     copy_folder(&Path::new(env!("CARGO_MANIFEST_DIR")).join("glsl"), &place.path("glsl"));
     let broken = place.path("glsl/compose/sum.glsl");
     let good = fs::read_to_string(&broken).unwrap();
@@ -364,13 +307,12 @@ fn a_broken_shader_is_reported_with_its_file_and_line() {
     fs::remove_file(place.path("glsl/compose/sum.comp")).unwrap();
     failed("a missing shader", &with_shaders("glsl"), 2, &["compose/sum.comp"]);
     failed("a missing folder", &with_shaders("nowhere"), 2, &["MANYLIGHT_GLSL", "nowhere"]);
-    assert_eq!(place.files("out"), Vec::<String>::new());
+    assert_eq!(files(&place, "out"), Vec::<String>::new());
 }
 
 #[test]
 fn an_injected_fault_ends_with_its_code_names_what_it_met_and_leaves_no_file() {
-    let place = Place::new();
-    place.config("");
+    let place = Place::new(&[("box.toml", BOX)]);
     let cases: &[(&str, i32, &[&str])] = &[
         // The pass before it in the frame is the last that may have ended.
         ("device-lost:gather/tiled", 4, &["gather/tiled", "lost"]),
@@ -384,7 +326,7 @@ fn an_injected_fault_ends_with_its_code_names_what_it_met_and_leaves_no_file() {
             command.env("MANYLIGHT_FAULT", fault);
             command.args(["box.toml", "-o", "out", "--device", "cpu", "--timing", timing]);
             failed(&format!("{fault}, {timing}"), &run(&mut command), *code, says);
-            assert_eq!(place.files("out"), Vec::<String>::new(), "{fault}");
+            assert_eq!(files(&place, "out"), Vec::<String>::new(), "{fault}");
         }
     }
     failed(

@@ -1,25 +1,27 @@
 //! `manylight compare` as its users meet it: figures, exit codes, heatmaps, and one sentence for whatever goes wrong.
 
+use crate::place::{Place, ended, text};
 use manylight::output::exr::Precision;
 use manylight::output::{Layer, write_exr, write_png};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 const WIDTH: u32 = 40;
 const HEIGHT: u32 = 30;
 
-/// A folder of its own for a test.
-struct Place(tempfile::TempDir);
+/// A folder of images.
+struct Images(Place);
 
-impl Place {
+impl Images {
     fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
+        Self(Place::new(&[]))
     }
 
+    /// A place for a file, in folders that are made for it.
     fn path(&self, name: &str) -> PathBuf {
-        let path = self.0.path().join(name);
+        let path = self.0.path(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         path
     }
@@ -43,8 +45,7 @@ impl Place {
     }
 
     fn compare(&self, arguments: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_manylight"));
-        command.current_dir(self.0.path()).arg("compare").args(arguments).output().unwrap()
+        self.0.manylight().arg("compare").args(arguments).output().unwrap()
     }
 
     #[track_caller]
@@ -55,21 +56,10 @@ impl Place {
     }
 }
 
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-/// Ends with this code and one line on stderr that says all of this; what is on stdout.
+/// The program ends with this code and one line on stderr that says all of this; what is on stdout.
 #[track_caller]
 fn failed(output: &Output, code: i32, says: &[&str]) -> String {
-    let stderr = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{stderr}");
-    assert_eq!(stderr.lines().count(), 1, "{stderr}");
-    assert!(stderr.starts_with("manylight: "), "{stderr}");
-    for part in says {
-        assert!(stderr.contains(part), "{part:?} is not in {stderr}");
-    }
-    text(&output.stdout)
+    ended("compare", output, code, says)
 }
 
 #[track_caller]
@@ -85,7 +75,7 @@ fn pixel(path: &Path, x: u32, y: u32) -> [u8; 3] {
 
 #[test]
 fn the_same_image_passes_the_strictest_thresholds() {
-    let place = Place::new();
+    let place = Images::new();
     place.exr("a.exr", |_, value| value);
     place.exr("b.exr", |_, value| value);
     let strict = ["--max-rmse", "0", "--max-relmse", "0", "--max-flip", "0", "--max-worst", "0", "--max-energy-error", "0"];
@@ -96,7 +86,7 @@ fn the_same_image_passes_the_strictest_thresholds() {
 
 #[test]
 fn a_figure_over_its_threshold_ends_with_1_after_everything_is_said() {
-    let place = Place::new();
+    let place = Images::new();
     place.exr("test.exr", |_, value| value * 1.1);
     place.exr("reference.exr", |_, value| value);
     let figures = &place.json(&["test.exr", "reference.exr"])["frames"][0];
@@ -124,7 +114,7 @@ fn a_figure_over_its_threshold_ends_with_1_after_everything_is_said() {
 
 #[test]
 fn json_says_what_was_compared_how_it_was_and_over_all_frames() {
-    let place = Place::new();
+    let place = Images::new();
     place.exr("test.exr", |_, value| value * 1.1);
     place.exr("reference.exr", |_, value| value);
     let json = place.json(&["test.exr", "reference.exr", "--layer", "RGB", "--layer", "Z", "--layer", "N"]);
@@ -147,7 +137,7 @@ fn json_says_what_was_compared_how_it_was_and_over_all_frames() {
 
 #[test]
 fn layers_are_summed_and_held_against_others() {
-    let place = Place::new();
+    let place = Images::new();
     place.exr("image.exr", |_, value| value);
     for layers in ["direct+indirect=RGB", "indirect.bounce1+indirect.bounce2=indirect", "direct+indirect.bounce1+indirect.bounce2=RGB", "Z"]
     {
@@ -160,7 +150,7 @@ fn layers_are_summed_and_held_against_others() {
 
 #[test]
 fn a_heatmap_is_black_but_where_the_error_is() {
-    let place = Place::new();
+    let place = Images::new();
     let (x, y) = (28, 9);
     place.exr("test.exr", |at, value| if at == (y * WIDTH + x) as usize { 90.0 } else { value });
     place.exr("reference.exr", |_, value| value);
@@ -183,7 +173,7 @@ fn a_heatmap_is_black_but_where_the_error_is() {
 
 #[test]
 fn pngs_are_compared_as_light_and_seen_as_they_are() {
-    let place = Place::new();
+    let place = Images::new();
     let write = |name: &str, byte: u8| write_png(&place.path(name), 16, 16, &[byte; 16 * 16 * 3]).unwrap();
     write("half.png", 188);
     write("full.png", 255);
@@ -197,7 +187,7 @@ fn pngs_are_compared_as_light_and_seen_as_they_are() {
 
 #[test]
 fn folders_are_compared_frame_by_frame_and_summed_up() {
-    let place = Place::new();
+    let place = Images::new();
     for (i, scale) in [1.0, 1.5, 1.2].iter().enumerate() {
         place.exr(&format!("test/frame-{i}.exr"), |_, value| value * scale);
         place.exr(&format!("reference/frame-{i}.exr"), |_, value| value);
@@ -233,7 +223,7 @@ fn folders_are_compared_frame_by_frame_and_summed_up() {
 
 #[test]
 fn what_cannot_be_compared_ends_with_2_and_one_sentence() {
-    let place = Place::new();
+    let place = Images::new();
     place.exr("good.exr", |_, value| value);
     place.exr_of("wide.exr", 41, HEIGHT, |_, value| value);
     place.exr("nan.exr", |at, value| if at == (12 * WIDTH + 5) as usize { f32::NAN } else { value });

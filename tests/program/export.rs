@@ -1,5 +1,6 @@
 //! Scenes exported for Mitsuba: what the files say, without Mitsuba. `tools/check-with-mitsuba` compares the pictures.
 
+use crate::place::{Place, text};
 use glam::{Affine3A, Vec2, Vec3};
 use manylight::config::Dielectric;
 use manylight::export::mitsuba::{Shot, write};
@@ -9,7 +10,7 @@ use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 /// An exported scene on the disk.
 struct Exported {
@@ -129,26 +130,21 @@ fn whole(folder: &Path, xml: &str) -> u64 {
     triangles
 }
 
-fn manylight(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_manylight")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
+fn manylight(place: &Place, arguments: &[&str]) -> Output {
+    place.manylight().args(arguments).output().unwrap()
 }
 
 #[test]
 fn the_built_in_scenes_are_written_whole_and_the_same_twice() {
-    let place = tempfile::tempdir().unwrap();
-    fs::write(place.path().join("atrium.toml"), "[scene]\ntriangles = 10000\n[frame]\nsize = [80, 40]\n").unwrap();
+    let place = Place::new(&[("atrium.toml", "[scene]\ntriangles = 10000\n[frame]\nsize = [80, 40]\n")]);
     let atrium = builtin::atrium(&builtin::Atrium { triangles: 10_000, seed: 0 });
     for (config, scene) in [("cornell", builtin::cornell()), ("atrium.toml", atrium)] {
         let files = ["first", "second"].map(|folder| {
-            let output = manylight(place.path(), &["export", "mitsuba", config, "-o", folder]);
+            let output = manylight(&place, &["export", "mitsuba", config, "-o", folder]);
             assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
             let printed = text(&output.stdout);
             assert_eq!(Path::new(printed.trim_end()), Path::new(folder).join("scene.xml"));
-            let folder = place.path().join(folder);
+            let folder = place.path(folder);
             let xml = fs::read_to_string(folder.join("scene.xml")).unwrap();
             assert_eq!(whole(&folder, &xml), scene.triangle_count(), "{config}");
             let mut files = BTreeMap::from([("scene.xml".to_owned(), xml.into_bytes())]);
@@ -165,20 +161,19 @@ fn the_built_in_scenes_are_written_whole_and_the_same_twice() {
 
 #[test]
 fn the_camera_and_the_picture_are_the_configs_at_the_frame_that_is_asked_for() {
-    let place = tempfile::tempdir().unwrap();
     let config = "[scene]\nbuiltin = \"cornell\"\n[frame]\nsize = [96, 64]\ncount = 31\n[camera]\nfov_y_deg = 50\nup = [0, 3, 4]\n\
                   [[camera.keyframes]]\ntime = 0\nposition = [0, 1, 9]\ntarget = [0, 1, 0]\n\
                   [[camera.keyframes]]\ntime = 1\nposition = [4, 1, 9]\ntarget = [0, 3, 0]\n";
-    fs::write(place.path().join("path.toml"), config).unwrap();
+    let place = Place::new(&[("path.toml", config)]);
     for (arguments, origin, target, size) in [
         (&["--frame", "0"][..], "0, 1, 9", "0, 1, 0", ["96", "64"]),
         (&["--frame", "15", "--size", "10x20"], "2, 1, 9", "0, 2, 0", ["10", "20"]),
         // As a render keeps its last frame.
         (&["--set", "frame.size=[8, 4]"], "4, 1, 9", "0, 3, 0", ["8", "4"]),
     ] {
-        let output = manylight(place.path(), &[&["export", "mitsuba", "path.toml"], arguments].concat());
+        let output = manylight(&place, &[&["export", "mitsuba", "path.toml"], arguments].concat());
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-        let xml = fs::read_to_string(place.path().join("out/path/mitsuba/scene.xml")).unwrap();
+        let xml = fs::read_to_string(place.path("out/path/mitsuba/scene.xml")).unwrap();
         let document = Document::parse(&xml).unwrap();
         let sensor = find(document.root(), "perspective");
         let look = sensor.descendants().find(|node| node.has_tag_name("lookat")).unwrap();
@@ -371,9 +366,7 @@ fn odd_names_become_safe_ones() {
 
 #[test]
 fn mistakes_end_with_their_code_and_one_sentence() {
-    let place = tempfile::tempdir().unwrap();
-    fs::write(place.path().join("in-the-way"), "a file where a folder should be").unwrap();
-    fs::write(place.path().join("typo.toml"), "[gather]\ninterlaeve = 2\n").unwrap();
+    let place = Place::new(&[("in-the-way", "a file where a folder should be"), ("typo.toml", "[gather]\ninterlaeve = 2\n")]);
     let cases: [(&[&str], i32, &str); 4] = [
         (&["cornell", "-o", "in-the-way/out"], 6, "in-the-way"),
         (&["typo.toml", "-o", "out"], 2, "interleave"),
@@ -381,10 +374,10 @@ fn mistakes_end_with_their_code_and_one_sentence() {
         (&["cornell", "-o", "out", "--set", "camera.node=nobody"], 2, "nobody"),
     ];
     for (arguments, code, says) in cases {
-        let output = manylight(place.path(), &[&["export", "mitsuba"], arguments].concat());
+        let output = manylight(&place, &[&["export", "mitsuba"], arguments].concat());
         let stderr = text(&output.stderr);
         assert_eq!((output.status.code(), stderr.lines().count()), (Some(code), 1), "{arguments:?}: {stderr}");
         assert!(stderr.contains(says) && output.stdout.is_empty(), "{arguments:?}: {stderr}");
-        assert!(!place.path().join("out/scene.xml").exists());
+        assert!(!place.path("out/scene.xml").exists());
     }
 }

@@ -9,6 +9,7 @@ mod export;
 #[path = "../gltf/make.rs"]
 #[allow(dead_code)] // The loader's tests use the rest.
 mod make;
+mod place;
 mod readme;
 mod reference;
 mod report;

@@ -1,78 +1,16 @@
 //! `manylight reference` as its users meet it: files, stopping and going on, and one sentence for whatever goes wrong.
 
+use crate::place::{Place, text};
 use manylight::output::read_exr;
-use serde_json::Value;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output};
+use std::path::Path;
+use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
 const SMALL: &str = "[scene]\nbuiltin = \"cornell\"\n[frame]\nsize = [48, 32]\n";
 
-struct Place(tempfile::TempDir);
-
-impl Place {
-    fn new() -> Self {
-        let place = Self(tempfile::tempdir().unwrap());
-        place.write("box.toml", SMALL);
-        place
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, content: impl AsRef<[u8]>) {
-        fs::write(self.path(name), content).unwrap();
-    }
-
-    fn command(&self, line: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_manylight"));
-        command.current_dir(self.0.path()).args(line.split_whitespace()).args(["--device", "cpu"]);
-        for variable in ["MANYLIGHT_FAULT", "MANYLIGHT_GLSL"] {
-            command.env_remove(variable);
-        }
-        command
-    }
-
-    fn run(&self, line: &str) -> Output {
-        self.command(line).output().unwrap()
-    }
-
-    #[track_caller]
-    fn succeeds(&self, line: &str) -> String {
-        let output = self.run(line);
-        assert_eq!(output.status.code(), Some(0), "{line}: {}", text(&output.stderr));
-        text(&output.stdout)
-    }
-
-    /// Ends with this code and one line on stderr that says all of this.
-    #[track_caller]
-    fn fails(&self, line: &str, code: i32, says: &[&str]) {
-        let output = self.run(line);
-        let stderr = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{line}: {stderr}");
-        assert_eq!(text(&output.stdout), "", "{line}");
-        assert_eq!(stderr.lines().count(), 1, "{line}: {stderr}");
-        for part in says {
-            assert!(stderr.contains(part), "{line}: {part:?} is not in {stderr}");
-        }
-    }
-
-    fn run_json(&self, folder: &str) -> Value {
-        serde_json::from_slice(&fs::read(self.path(folder).join("run.json")).unwrap()).unwrap()
-    }
-
-    fn names(&self, folder: &str) -> Vec<String> {
-        let mut names: Vec<String> =
-            fs::read_dir(self.path(folder)).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
-        names.sort();
-        names
-    }
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
+fn in_a_box() -> Place {
+    Place::new(&[("box.toml", SMALL)])
 }
 
 fn bytes(path: &Path) -> Vec<u8> {
@@ -86,12 +24,12 @@ fn interrupt(child: &Child) {
 }
 
 fn samples(place: &Place, folder: &str) -> u64 {
-    place.run_json(folder)["counts"]["reference/samples"].as_u64().unwrap()
+    place.json(&format!("{folder}/run.json"))["counts"]["reference/samples"].as_u64().unwrap()
 }
 
 #[test]
 fn a_reference_leaves_its_layers_a_picture_and_its_record() {
-    let place = Place::new();
+    let place = in_a_box();
     let stdout = place.succeeds("reference box.toml -o out --spp 4 --bounces 2 --validate");
     assert!(stdout.contains("image.png") && stdout.contains("4 samples") && stdout.contains("million a second"), "{stdout}");
     assert_eq!(place.names("out"), ["image.exr", "image.png", "run.json", "sums.exr", "timings.csv"]);
@@ -107,15 +45,15 @@ fn a_reference_leaves_its_layers_a_picture_and_its_record() {
     let sum = |i: usize| exr.channels["direct.R"][i] + exr.channels["indirect.bounce1.R"][i] + exr.channels["indirect.bounce2.R"][i];
     assert!((0..48 * 32).all(|i| (sum(i) - exr.channels["R"][i]).abs() < 1e-4 * (1.0 + sum(i))));
     assert!(exr.channels["R"].iter().sum::<f32>() > 10.0);
-    let run = place.run_json("out");
+    let run = place.json("out/run.json");
     assert_eq!((run["counts"]["reference/samples"].as_u64(), run["counts"]["reference/bounces"].as_u64()), (Some(4), Some(2)));
     assert!(run["counts"]["reference/rays"].as_u64().unwrap() > 4 * 48 * 32);
     assert!(run["checks"]["relative-standard-error"].as_f64().unwrap() > 0.0);
     assert_eq!(run["config"]["frame"]["size"], serde_json::json!([48, 32]));
     // A render's layers may be compared with it.
     place.succeeds("render box.toml -o render --frames 1 --quiet");
-    let output = Command::new(env!("CARGO_BIN_EXE_manylight"))
-        .current_dir(place.0.path())
+    let output = place
+        .manylight()
         .args(["compare", "render", "out", "--layer", "direct", "--layer", "indirect=indirect.bounce1", "--layer", "P"])
         .output()
         .unwrap();
@@ -125,7 +63,7 @@ fn a_reference_leaves_its_layers_a_picture_and_its_record() {
 
 #[test]
 fn the_same_seed_gives_the_same_bytes_and_a_resumed_run_the_same_as_a_whole_one() {
-    let place = Place::new();
+    let place = in_a_box();
     place.succeeds("reference box.toml -o whole --spp 6 --bounces 1");
     place.succeeds("reference box.toml -o again --spp 6 --bounces 1");
     place.succeeds("reference box.toml -o parts --spp 2 --bounces 1");
@@ -141,12 +79,12 @@ fn the_same_seed_gives_the_same_bytes_and_a_resumed_run_the_same_as_a_whole_one(
 
 #[test]
 fn a_run_stops_in_time_at_an_error_and_at_ctrl_c() {
-    let place = Place::new();
+    let place = in_a_box();
     let start = Instant::now();
     place.succeeds("reference box.toml -o time --spp 1000000 --time 1");
     assert!(start.elapsed() < Duration::from_secs(30) && samples(&place, "time") < 1_000_000);
     place.succeeds("reference box.toml -o error --spp 1000000 --target-error 0.2 --bounces 1");
-    let error = place.run_json("error")["checks"]["relative-standard-error"].as_f64().unwrap();
+    let error = place.json("error/run.json")["checks"]["relative-standard-error"].as_f64().unwrap();
     assert!(error <= 0.2 && samples(&place, "error") >= 16, "{error}");
     let mut child = place.command("reference box.toml -o stopped --spp 1000000 --quiet").spawn().unwrap();
     std::thread::sleep(Duration::from_secs(3));
@@ -161,7 +99,7 @@ fn a_run_stops_in_time_at_an_error_and_at_ctrl_c() {
 
 #[test]
 fn what_cannot_be_resumed_or_written_is_said_in_one_sentence() {
-    let place = Place::new();
+    let place = in_a_box();
     place.fails("reference box.toml -o none --resume", 2, &["--resume: none/sums.exr is not there"]);
     place.succeeds("reference box.toml -o out --spp 1 --bounces 1");
     let before = bytes(&place.path("out/sums.exr"));
@@ -194,7 +132,7 @@ fn what_cannot_be_resumed_or_written_is_said_in_one_sentence() {
 
 #[test]
 fn an_output_folder_that_vanishes_ends_with_its_code() {
-    let place = Place::new();
+    let place = in_a_box();
     let mut child = place.command("reference box.toml -o gone --spp 1000000 --quiet").stderr(std::process::Stdio::piped()).spawn().unwrap();
     std::thread::sleep(Duration::from_secs(3));
     fs::remove_dir_all(place.path("gone")).unwrap();
@@ -208,7 +146,7 @@ fn an_output_folder_that_vanishes_ends_with_its_code() {
 
 #[test]
 fn visibility_and_shadows_by_rays_render_without_a_word_from_the_validation_layer() {
-    let place = Place::new();
+    let place = in_a_box();
     place.write(
         "rays.toml",
         format!("{SMALL}count = 1\n[vpls]\ncount = 256\n[visibility]\nmethod = \"ray-traced\"\n[direct]\nshadows = \"ray-traced\"\n"),

@@ -1,5 +1,6 @@
 //! `manylight report` as its users meet it: one file that a browser opens without asking for another.
 
+use crate::place::{Place, text};
 use serde_json::{Value, json};
 use std::fs;
 use std::io::Write;
@@ -10,73 +11,22 @@ use std::time::{Duration, Instant};
 const SMALL: &str =
     "[scene]\nbuiltin = \"cornell\"\n[frame]\nsize = [64, 36]\ncount = 3\nwarmup = 1\n[rsm]\nsize = [64, 64]\n[vpls]\ncount = 64\n";
 
-struct Place(tempfile::TempDir);
-
-impl Place {
-    fn new() -> Self {
-        let place = Self(tempfile::tempdir().unwrap());
-        place.write("box.toml", SMALL);
-        place
-    }
-
-    /// A place with three renders, a reference of theirs, and a table of one of them.
-    fn with_runs() -> Self {
-        let place = Self::new();
-        place.succeeds("render box.toml -q --device cpu -o coarse --set gather.interleave=4");
-        place.succeeds("render box.toml -q --device cpu -o middle --set gather.interleave=2");
-        place.succeeds("render box.toml -q --device cpu -o fine --set gather.interleave=1");
-        place.succeeds("reference box.toml -q --device cpu -o truth --spp 8 --bounces 1");
-        fs::create_dir_all(place.path("table/runs")).unwrap();
-        fs::rename(place.path("fine"), place.path("table/runs/k1")).unwrap();
-        let device = place.json("coarse/run.json")["device"].clone();
-        place.write("table/table.json", table(&device).to_string());
-        place
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, content: impl AsRef<[u8]>) {
-        fs::create_dir_all(self.path(name).parent().unwrap()).unwrap();
-        fs::write(self.path(name), content).unwrap();
-    }
-
-    fn json(&self, name: &str) -> Value {
-        serde_json::from_slice(&fs::read(self.path(name)).unwrap()).unwrap()
-    }
-
-    fn run(&self, line: &str) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_manylight"));
-        command.current_dir(self.0.path()).args(line.split_whitespace());
-        for variable in ["MANYLIGHT_FAULT", "MANYLIGHT_GLSL"] {
-            command.env_remove(variable);
-        }
-        command.output().unwrap()
-    }
-
-    #[track_caller]
-    fn succeeds(&self, line: &str) -> String {
-        let output = self.run(line);
-        assert_eq!(output.status.code(), Some(0), "{line}: {}", text(&output.stderr));
-        text(&output.stdout)
-    }
-
-    /// Ends with this code and one line on stderr that says all of this.
-    #[track_caller]
-    fn fails(&self, line: &str, code: i32, says: &[&str]) {
-        let output = self.run(line);
-        let stderr = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{line}: {stderr}");
-        assert_eq!((text(&output.stdout).as_str(), stderr.lines().count()), ("", 1), "{line}: {stderr}");
-        for part in says {
-            assert!(stderr.contains(part), "{line}: {part:?} is not in {stderr}");
-        }
-    }
+fn in_a_box() -> Place {
+    Place::new(&[("box.toml", SMALL)])
 }
 
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
+/// A place with three renders, a reference of theirs, and a table of one of them.
+fn with_runs() -> Place {
+    let place = in_a_box();
+    place.succeeds("render box.toml -q --device cpu -o coarse --set gather.interleave=4");
+    place.succeeds("render box.toml -q --device cpu -o middle --set gather.interleave=2");
+    place.succeeds("render box.toml -q --device cpu -o fine --set gather.interleave=1");
+    place.succeeds("reference box.toml -q --device cpu -o truth --spp 8 --bounces 1");
+    fs::create_dir_all(place.path("table/runs")).unwrap();
+    fs::rename(place.path("fine"), place.path("table/runs/k1")).unwrap();
+    let device = place.json("coarse/run.json")["device"].clone();
+    place.write("table/table.json", table(&device).to_string());
+    place
 }
 
 fn table(device: &Value) -> Value {
@@ -109,12 +59,12 @@ fn browser() -> Option<PathBuf> {
 fn browse(browser: &Path, place: &Place, options: &[&str], page: &Path) -> Output {
     let profile = tempfile::tempdir().unwrap();
     let mut command = Command::new(browser);
-    command.current_dir(place.0.path());
+    command.current_dir(place.root());
     command.args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"]);
     command.args(["--disable-component-update", "--disable-sync", "--hide-scrollbars"]);
     command.arg(format!("--user-data-dir={}", profile.path().display())).args(options).arg(format!("file://{}", page.display()));
-    let stdout = tempfile::NamedTempFile::new_in(&place.0).unwrap();
-    let stderr = tempfile::NamedTempFile::new_in(&place.0).unwrap();
+    let stdout = tempfile::NamedTempFile::new_in(place.root()).unwrap();
+    let stderr = tempfile::NamedTempFile::new_in(place.root()).unwrap();
     let mut child = command.stdout(stdout.reopen().unwrap()).stderr(stderr.reopen().unwrap()).stdin(Stdio::null()).spawn().unwrap();
     let start = Instant::now();
     let status = loop {
@@ -133,7 +83,7 @@ fn browse(browser: &Path, place: &Place, options: &[&str], page: &Path) -> Outpu
 
 #[test]
 fn a_report_shows_runs_beside_their_reference_and_a_table() {
-    let place = Place::with_runs();
+    let place = with_runs();
     assert_eq!(place.succeeds("report table coarse middle truth -o new/report.html"), "new/report.html\n");
     let html = fs::read_to_string(place.path("new/report.html")).unwrap();
     for part in [
@@ -157,7 +107,7 @@ fn a_report_shows_runs_beside_their_reference_and_a_table() {
     // The device of the tests is a CPU.
     assert!(html.contains("paper 8.88") && html.contains("paper 0.250×") && !html.contains("paper 77"));
     // No place of this machine, no clock: again the same.
-    assert!(!html.contains(&*place.0.path().to_string_lossy()));
+    assert!(!html.contains(&*place.root().to_string_lossy()));
     place.succeeds("report table coarse middle truth -o again.html");
     assert!(html == fs::read_to_string(place.path("again.html")).unwrap(), "two reports of the same folders differ");
     // Another layer has other errors.
@@ -203,7 +153,7 @@ fn in_a_browser(place: &Place, browser: &Path) {
 
 #[test]
 fn what_cannot_be_reported_is_said_in_one_sentence() {
-    let place = Place::new();
+    let place = in_a_box();
     fs::create_dir(place.path("empty")).unwrap();
     place.fails("report empty", 2, &["empty: has no run.json, table.json or flicker.json"]);
     place.fails("report gone", 2, &["gone: cannot be read"]);

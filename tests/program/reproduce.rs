@@ -1,8 +1,9 @@
 //! Tables from the command line: repeated, in parts, resumed, refused.
 
+use crate::place::{Place, text};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 const TABLE: &str = r#"
 title = "Small"
@@ -54,39 +55,34 @@ name = "filter"
 measure = { time = "filter" }
 "#;
 
-struct Place {
-    folder: tempfile::TempDir,
-}
+/// A folder with the small table.
+struct Tables(Place);
 
-impl Place {
+impl Tables {
     fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("small.toml"), TABLE).unwrap();
-        Self { folder }
+        Self(Place::new(&[("small.toml", TABLE)]))
     }
 
-    /// With a cache of its own for truths, beside the user's for shaders.
+    /// With a cache of its own for truths.
     fn run(&self, options: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_manylight"));
-        command.current_dir(self.folder.path()).args(["reproduce", "small.toml", "--device", "cpu", "--quiet"]).args(options);
-        command.env("XDG_CACHE_HOME", self.folder.path().join("cache")).output().unwrap()
+        let mut command = self.0.command("reproduce small.toml --quiet");
+        command.args(options).env("XDG_CACHE_HOME", self.path("cache")).output().unwrap()
     }
 
     fn table(&self, options: &[&str], folder: &str) -> Value {
         let output = self.run(&[&["-o", folder], options].concat());
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "{}", text(&output.stderr));
         let text = String::from_utf8(output.stdout).unwrap();
         assert!(text.starts_with("Small\n") && text.contains("[cpu]"), "{text}");
         self.json(folder)
     }
 
     fn json(&self, folder: &str) -> Value {
-        let path = self.path(folder).join("small/table.json");
-        serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap()
+        self.0.json(&format!("{folder}/small/table.json"))
     }
 
     fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
+        self.0.path(name)
     }
 }
 
@@ -99,7 +95,7 @@ fn without_times(table: &Value) -> Vec<String> {
 
 #[test]
 fn a_table_measures_all_that_it_says_and_the_same_when_it_runs_again() {
-    let place = Place::new();
+    let place = Tables::new();
     let table = place.table(&[], "one");
     let value = |row: usize, column: usize| table["cells"][row][column]["value"].as_f64();
     assert_eq!(table["complete"], true);
@@ -127,7 +123,7 @@ fn a_table_measures_all_that_it_says_and_the_same_when_it_runs_again() {
 
 #[test]
 fn the_parts_of_a_sweep_joined_are_the_whole() {
-    let place = Place::new();
+    let place = Tables::new();
     let whole = place.table(&[], "whole");
     for part in ["1/2", "2/2"] {
         let folder = format!("part-{}", &part[..1]);
@@ -140,13 +136,13 @@ fn the_parts_of_a_sweep_joined_are_the_whole() {
     // Of one part alone there is no whole.
     let output = place.run(&["-o", "half", "--merge", "part-1"]);
     assert_eq!(output.status.code(), Some(2));
-    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    let error = text(&output.stderr);
     assert!(error.contains("none of the 1 folders has small/runs/"), "{error}");
 }
 
 #[test]
 fn a_sweep_goes_on_where_it_was_left() {
-    let place = Place::new();
+    let place = Tables::new();
     let first = place.table(&[], "out");
     let changed = |path: &Path| path.join("run.json").metadata().unwrap().modified().unwrap();
     let run = |row: usize| place.path("out/small/runs").join(first["cells"][row][0]["run"].as_str().unwrap());
@@ -162,7 +158,7 @@ fn a_sweep_goes_on_where_it_was_left() {
 
 #[test]
 fn a_truth_is_traced_once_and_kept_for_the_next_table() {
-    let place = Place::new();
+    let place = Tables::new();
     place.table(&[], "one");
     let kept: Vec<_> = std::fs::read_dir(place.path("cache/manylight/references")).unwrap().collect();
     assert_eq!(kept.len(), 1, "both rows have the same truth");
@@ -175,7 +171,7 @@ fn a_truth_is_traced_once_and_kept_for_the_next_table() {
 
 #[test]
 fn a_table_that_is_wrong_is_refused_before_anything_is_rendered() {
-    let place = Place::new();
+    let place = Tables::new();
     for (from, to, expected) in [
         (
             "base = \"cornell\"",
@@ -187,7 +183,7 @@ fn a_table_that_is_wrong_is_refused_before_anything_is_rendered() {
     ] {
         std::fs::write(place.path("small.toml"), TABLE.replacen(from, to, 1)).unwrap();
         let output = place.run(&["-o", "out"]);
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        let error = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{error}");
         assert!(error.contains(expected), "{error}");
         assert!(!place.path("out").exists(), "{to}");
@@ -204,12 +200,12 @@ fn a_table_that_is_wrong_is_refused_before_anything_is_rendered() {
     ] {
         std::fs::write(place.path("small.toml"), TABLE.replacen(from, to, 1)).unwrap();
         let output = place.run(&["-o", "out"]);
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        let error = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{error}");
         assert!(error.contains(expected), "{error}");
         assert!(!place.path("out/small/runs").exists() && !place.path("out/small/references").exists(), "{to}");
     }
-    let unknown = Command::new(env!("CARGO_BIN_EXE_manylight")).args(["reproduce", "interleavin"]).output().unwrap();
-    let error = String::from_utf8_lossy(&unknown.stderr).into_owned();
+    let unknown = place.0.manylight().args(["reproduce", "interleavin"]).output().unwrap();
+    let error = text(&unknown.stderr);
     assert!(unknown.status.code() == Some(2) && error.contains("did you mean interleaving?"), "{error}");
 }

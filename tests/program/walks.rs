@@ -1,79 +1,17 @@
 //! `manylight flicker` and sequences of frames as their users meet them: files, parts that make a whole, going on, and one sentence
 //! for whatever goes wrong.
 
+use crate::place::{Place, text};
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 const WALK: &str = "[scene]\nbuiltin = \"cornell\"\n[camera]\nkeyframes = [{ time = 0, position = [-0.5, 2.7, 10.8], target = [0, 2.7, 0] }, \
                     { time = 1, position = [1.5, 3.2, 8.5], target = [0.2, 2.6, 0] }]\n[frame]\nsize = [48, 36]\ncount = 5\nwarmup = 0\n\
                     [rsm]\nsize = [64, 64]\n[vpls]\ncount = 64\n";
 
-struct Place(tempfile::TempDir);
-
-impl Place {
-    fn new() -> Self {
-        let place = Self(tempfile::tempdir().unwrap());
-        fs::write(place.path("walk.toml"), WALK).unwrap();
-        place
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn run(&self, line: &str) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_manylight"));
-        command.current_dir(self.0.path()).args(line.split_whitespace());
-        if !line.starts_with("compare") {
-            command.args(["--device", "cpu"]);
-        }
-        for variable in ["MANYLIGHT_FAULT", "MANYLIGHT_GLSL"] {
-            command.env_remove(variable);
-        }
-        command.output().unwrap()
-    }
-
-    #[track_caller]
-    fn succeeds(&self, line: &str) -> String {
-        let output = self.run(line);
-        assert_eq!(output.status.code(), Some(0), "{line}: {}", text(&output.stderr));
-        text(&output.stdout)
-    }
-
-    /// Ends with code 2 and one line on stderr that says all of this.
-    #[track_caller]
-    fn refuses(&self, line: &str, says: &[&str]) {
-        let output = self.run(line);
-        let stderr = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{line}: {stderr}");
-        assert_eq!((text(&output.stdout).as_str(), stderr.lines().count()), ("", 1), "{line}: {stderr}");
-        for part in says {
-            assert!(stderr.contains(part), "{line}: {part:?} is not in {stderr}");
-        }
-    }
-
-    fn json(&self, path: &str) -> Value {
-        serde_json::from_slice(&fs::read(self.path(path)).unwrap()).unwrap()
-    }
-
-    /// The files of a folder and what is in them.
-    fn files(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
-        let entries =
-            fs::read_dir(self.path(folder)).unwrap_or_else(|error| panic!("{folder}: {error}")).map(|entry| entry.unwrap().path());
-        let file = |path: PathBuf| (path.file_name().unwrap().to_string_lossy().into_owned(), path);
-        entries.filter(|path| path.is_file()).map(file).map(|(name, path)| (name, fs::read(path).unwrap())).collect()
-    }
-
-    fn names(&self, folder: &str) -> Vec<String> {
-        self.files(folder).into_keys().collect()
-    }
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
+fn on_a_walk() -> Place {
+    Place::new(&[("walk.toml", WALK)])
 }
 
 fn frames(count: u32) -> Vec<String> {
@@ -82,12 +20,12 @@ fn frames(count: u32) -> Vec<String> {
 
 #[test]
 fn a_walk_leaves_a_line_a_pair_its_figures_and_its_maps() {
-    let place = Place::new();
+    let place = on_a_walk();
     let stdout = place.succeeds("flicker walk.toml -o out --heatmap");
     let starts: Vec<&str> = stdout.lines().map(|line| line.split("  ").next().unwrap()).collect();
     let csv_path = Path::new("out").join("flicker.csv").display().to_string();
     assert_eq!(starts, ["0000-0001 RGB", "0001-0002 RGB", "0002-0003 RGB", "0003-0004 RGB", "all RGB", &csv_path]);
-    assert_eq!(place.names("out"), ["flicker.csv", "flicker.json"]);
+    assert_eq!(place.names("out"), ["flicker.csv", "flicker.json", "heatmaps"]);
     assert_eq!(place.names("out/heatmaps"), ["0000-0001.png", "0001-0002.png", "0002-0003.png", "0003-0004.png"]);
     let map = image::open(place.path("out/heatmaps/0000-0001.png")).unwrap();
     assert_eq!((map.width(), map.height()), (48, 36));
@@ -119,12 +57,12 @@ fn a_walk_leaves_a_line_a_pair_its_figures_and_its_maps() {
 
 #[test]
 fn a_sequence_in_parts_is_the_whole_one_and_can_be_compared_and_walked_against() {
-    let place = Place::new();
+    let place = on_a_walk();
     place.succeeds("render walk.toml -o whole --sequence -q");
     place.succeeds("render walk.toml -o plain -q");
     let whole = place.files("whole/frames");
     assert_eq!(whole.keys().cloned().collect::<Vec<_>>(), frames(5));
-    assert_eq!(place.names("whole"), ["image.exr", "image.png", "run.json", "timings.csv"]);
+    assert_eq!(place.names("whole"), ["frames", "image.exr", "image.png", "run.json", "timings.csv"]);
     for (file, bytes) in place.files("plain").into_iter().filter(|(file, _)| file.starts_with("image")) {
         assert!(bytes == place.files("whole")[&file], "{file} is not what a run without --sequence leaves");
     }
@@ -138,9 +76,9 @@ fn a_sequence_in_parts_is_the_whole_one_and_can_be_compared_and_walked_against()
     let mut parts = place.files("parts/frames");
     parts.extend(place.files("other/frames"));
     assert!(parts == whole, "the parts are not the whole: {:?}", parts.keys());
-    let names = ["image.exr", "image.png", "run.1-of-3.json", "run.2-of-3.json", "timings.1-of-3.csv", "timings.2-of-3.csv"];
+    let names = ["frames", "image.exr", "image.png", "run.1-of-3.json", "run.2-of-3.json", "timings.1-of-3.csv", "timings.2-of-3.csv"];
     assert_eq!(place.names("parts"), names);
-    assert_eq!(place.names("other"), ["run.3-of-3.json", "timings.3-of-3.csv"]);
+    assert_eq!(place.names("other"), ["frames", "run.3-of-3.json", "timings.3-of-3.csv"]);
     assert_eq!(place.json("parts/run.1-of-3.json")["frames"], 2);
 
     // The PNGs beside the EXRs are no frames of their own.
@@ -163,10 +101,10 @@ fn a_sequence_in_parts_is_the_whole_one_and_can_be_compared_and_walked_against()
 
 #[test]
 fn a_reference_of_every_frame_is_made_in_parts_and_goes_on_where_it_was() {
-    let place = Place::new();
+    let place = on_a_walk();
     let run = |more: &str| place.succeeds(&format!("reference walk.toml --spp 3 --bounces 1 --set frame.count=3 {more}"));
     run("-o whole --sequence -q");
-    assert_eq!(place.names("whole"), ["image.exr", "image.png", "run.json", "timings.csv"]);
+    assert_eq!(place.names("whole"), ["frames", "image.exr", "image.png", "run.json", "sums", "timings.csv"]);
     let (whole, sums) = (place.files("whole/frames"), place.files("whole/sums"));
     assert_eq!(whole.keys().cloned().collect::<Vec<_>>(), frames(3));
     assert_eq!(sums.keys().collect::<Vec<_>>(), ["0000.exr", "0001.exr", "0002.exr"]);
@@ -212,7 +150,7 @@ fn a_reference_of_every_frame_is_made_in_parts_and_goes_on_where_it_was() {
 
 #[test]
 fn what_cannot_be_walked_is_said_in_one_sentence() {
-    let place = Place::new();
+    let place = on_a_walk();
     place.refuses("flicker walk.toml --frames 1", &["frame.count", "2 frames or more", "--frames"]);
     place.refuses("flicker walk.toml --layer irradiacne", &["--layer", "irradiacne", "did you mean irradiance?", "RGB, direct"]);
     place.refuses("flicker walk.toml --layer albedo", &["there are RGB, direct, indirect, irradiance"]);
@@ -234,7 +172,7 @@ fn what_cannot_be_walked_is_said_in_one_sentence() {
 
 #[test]
 fn a_walk_on_which_nothing_moves_is_told_so() {
-    let place = Place::new();
+    let place = on_a_walk();
     let output = place.run("flicker walk.toml --set camera.keyframes=[] --frames 2 --layer irradiance -o still");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("nothing moves"), "{}", text(&output.stderr));
@@ -244,7 +182,7 @@ fn a_walk_on_which_nothing_moves_is_told_so() {
 
 #[test]
 fn a_preset_that_starts_from_another_walks_in_any_folder_by_its_name() {
-    let place = Place::new();
+    let place = on_a_walk();
     let line = "flicker atrium-walk --frames 2 --size 64x36 --set scene.triangles=10000 --set rsm.size=[64,64] --set vpls.count=64";
     let stdout = place.succeeds(&format!("{line} -o out"));
     assert!(stdout.contains("0000-0001 RGB  flicker 0."), "{stdout}");
