@@ -3,7 +3,6 @@
 use crate::common::*;
 use crate::make::{Make, push};
 use manylight::config::{CameraConfig, Config, Shadows, VisibilityMethod};
-use manylight::graph::Execution;
 use manylight::output::Picture;
 use manylight::reference::Settings;
 use manylight::renderer::Renderer;
@@ -100,9 +99,7 @@ fn config() -> Config {
 }
 
 fn shot(renderer: &mut Renderer, config: &Config, frame: u32) -> Picture {
-    renderer.check(config).unwrap_or_else(|error| panic!("{error:#}"));
-    let rendered = renderer.render(config, frame, true, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
-    rendered.picture.unwrap()
+    render(renderer, config, frame).picture.unwrap()
 }
 
 /// All that a picture has, as bits.

@@ -43,12 +43,6 @@ fn split_room(walls: &[Wall]) -> Scene {
     scene
 }
 
-fn dump(renderer: &mut Renderer, config: &Config, frame: u32, passes: &[&str]) -> Rendered {
-    renderer.check(config).unwrap_or_else(|error| panic!("{error:#}"));
-    let execution = Execution { dump: passes.iter().map(|pass| (*pass).to_owned()).collect(), ..Execution::default() };
-    renderer.render(config, frame, true, &execution).unwrap_or_else(|error| panic!("{error:#}"))
-}
-
 fn clusters(rendered: &Rendered) -> Vec<Cluster> {
     pod_collect_to_vec(dumped(rendered, "bounce/clusters"))
 }
@@ -56,10 +50,6 @@ fn clusters(rendered: &Rendered) -> Vec<Cluster> {
 fn intensities(rendered: &Rendered, name: &str) -> Vec<DVec3> {
     let values: Vec<[f32; 3]> = pod_collect_to_vec(dumped(rendered, name));
     values.into_iter().map(|v| Vec3::from(v).as_dvec3()).collect()
-}
-
-fn count(rendered: &Rendered, name: &str) -> u64 {
-    rendered.counts.iter().find(|(known, _)| known == name).map(|(_, count)| *count).unwrap_or_else(|| panic!("nothing counts {name}"))
 }
 
 #[test]

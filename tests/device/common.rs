@@ -91,11 +91,31 @@ pub fn mean(texels: &[[f32; 4]], chosen: impl Fn(usize) -> bool) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// A frame as the config wants it.
-pub fn picture(renderer: &mut Renderer, config: &Config) -> Picture {
+/// A frame as the config wants it, and what these passes of it wrote.
+pub fn dump(renderer: &mut Renderer, config: &Config, frame: u32, passes: &[&str]) -> Rendered {
     renderer.check(config).unwrap_or_else(|error| panic!("{error:#}"));
-    let rendered = renderer.render(config, 0, true, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
-    rendered.picture.unwrap_or_else(|| panic!("the picture was asked for"))
+    let execution = Execution { dump: passes.iter().map(|pass| (*pass).to_owned()).collect(), ..Execution::default() };
+    renderer.render(config, frame, true, &execution).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+/// A frame as the config wants it.
+pub fn render(renderer: &mut Renderer, config: &Config, frame: u32) -> Rendered {
+    dump(renderer, config, frame, &[])
+}
+
+/// The picture of frame 0.
+pub fn picture(renderer: &mut Renderer, config: &Config) -> Picture {
+    render(renderer, config, 0).picture.unwrap_or_else(|| panic!("the picture was asked for"))
+}
+
+/// The irradiance of frame 0, row by row.
+pub fn irradiance(renderer: &mut Renderer, config: &Config) -> Vec<Vec3> {
+    picture(renderer, config).irradiance.rgb().collect()
+}
+
+/// What a frame counted under this name.
+pub fn count(rendered: &Rendered, name: &str) -> u64 {
+    rendered.counts.iter().find(|(known, _)| known == name).map(|(_, count)| *count).unwrap_or_else(|| panic!("nothing counts {name}"))
 }
 
 /// The bytes of a resource that was dumped: texels or elements.

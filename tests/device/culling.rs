@@ -3,7 +3,6 @@
 use crate::common::*;
 use glam::Vec3;
 use manylight::config::{Builtin, CameraConfig, Config, Culling, FilterKind, LightConfig, SceneConfig, VisibilityMethod};
-use manylight::graph::Execution;
 use manylight::output::Plane;
 use manylight::renderer::Renderer;
 use manylight::scene::Scene;
@@ -20,7 +19,7 @@ fn config(size: [u32; 2], position: [f32; 3], target: [f32; 3]) -> Config {
     config
 }
 
-fn irradiance(renderer: &mut Renderer, config: &Config, culling: Culling) -> Plane {
+fn culled(renderer: &mut Renderer, config: &Config, culling: Culling) -> Plane {
     let mut config = config.clone();
     config.gather.culling = culling;
     picture(renderer, &config).irradiance
@@ -28,10 +27,10 @@ fn irradiance(renderer: &mut Renderer, config: &Config, culling: Culling) -> Pla
 
 /// Holds both ways of culling against none.
 fn same(renderer: &mut Renderer, config: &Config, what: &str) {
-    let all = irradiance(renderer, config, Culling::None);
-    let tiled = irradiance(renderer, config, Culling::Tiled);
+    let all = culled(renderer, config, Culling::None);
+    let tiled = culled(renderer, config, Culling::Tiled);
     assert!(all.values == tiled.values, "{what}: tiled culling changed the picture");
-    let clustered = irradiance(renderer, config, Culling::Clustered);
+    let clustered = culled(renderer, config, Culling::Clustered);
     // With fewer sets than parts of a list, its VPLs come in another order; stored are halves.
     let exact = config.gather.interleave >= 4;
     for (i, (a, b)) in all.values.iter().zip(&clustered.values).enumerate() {
@@ -94,10 +93,9 @@ fn culling_never_changes_the_picture_whatever_the_count_and_the_lights() {
 fn lists(renderer: &mut Renderer, config: &Config) -> (Vec<u32>, usize) {
     let mut config = config.clone();
     config.gather.culling = Culling::Clustered;
-    let execution = Execution { dump: vec!["gather/light-lists".to_owned()], ..Execution::default() };
-    let rendered = renderer.render(&config, 0, false, &execution).unwrap();
+    let rendered = dump(renderer, &config, 0, &["gather/light-lists"]);
     let lists: Vec<u32> = words(dumped(&rendered, "gather/lists")).collect();
-    let used = rendered.counts.iter().find(|(name, _)| name == "gather/used-clusters").unwrap().1 as usize;
+    let used = count(&rendered, "gather/used-clusters") as usize;
     let (parts, stride) = (16, 1 + config.vpls.count.div_ceil(16) as usize);
     ((0..used * parts).map(|part| lists[part * stride]).collect(), used)
 }
@@ -135,8 +133,7 @@ fn without_interleaving_every_pixel_gathers_every_vpl() {
     config.vpls.count = 300;
     for culling in [Culling::None, Culling::Tiled, Culling::Clustered] {
         config.gather.culling = culling;
-        let execution = Execution { dump: vec!["vpls/regular".to_owned()], ..Execution::default() };
-        let rendered = renderer.render(&config, 0, true, &execution).unwrap();
+        let rendered = dump(&mut renderer, &config, 0, &["vpls/regular"]);
         let floats = |name: &str| -> Vec<f32> { words(dumped(&rendered, name)).map(f32::from_bits).collect() };
         let (points, intensities) = (floats("vpls/points"), floats("vpls/intensities"));
         let picture = rendered.picture.unwrap();

@@ -4,18 +4,8 @@ use crate::common::*;
 use glam::{DVec3, Vec3};
 use manylight::config::{BoxConfig, CameraConfig, CameraKeyframe, Config, LightConfig, LightKeyframe};
 use manylight::graph::{Execution, Timing};
-use manylight::renderer::{Rendered, Renderer};
 use manylight::report::Memory;
 use manylight::scene::{Material, Scene};
-
-fn render(renderer: &mut Renderer, config: &Config, frame: u32) -> Rendered {
-    renderer.check(config).unwrap_or_else(|error| panic!("{error:#}"));
-    renderer.render(config, frame, true, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"))
-}
-
-fn lit(rendered: &Rendered) -> u64 {
-    rendered.counts.iter().find(|(name, _)| name == "vpls/lit").unwrap_or_else(|| panic!("{:?}", rendered.counts)).1
-}
 
 #[test]
 fn all_vpls_of_a_light_in_a_closed_box_are_lit() {
@@ -27,10 +17,10 @@ fn all_vpls_of_a_light_in_a_closed_box_are_lit() {
     config.vpls.count = 1001;
     for timing in [Timing::Isolated, Timing::Overlapped, Timing::Serial] {
         let rendered = renderer.render(&config, 0, false, &Execution { timing, ..Execution::default() }).unwrap();
-        assert_eq!(lit(&rendered), 1001, "{timing:?}");
+        assert_eq!(count(&rendered, "vpls/lit"), 1001, "{timing:?}");
     }
     config.vpls.count = 6;
-    assert_eq!(lit(&render(&mut renderer, &config, 0)), 6);
+    assert_eq!(count(&render(&mut renderer, &config, 0), "vpls/lit"), 6);
     finish(renderer.gpu());
 }
 
@@ -51,7 +41,7 @@ fn vpls_where_the_map_misses_the_scene_are_not_lit() {
     };
     let columns = middles(64, 8.0).filter(|x| (x + 4.0).abs() < 4.0).count();
     let rows = middles(32, 4.0).filter(|z| z.abs() < 4.0).count();
-    assert_eq!(lit(&render(&mut renderer, &config, 0)), (columns * rows) as u64);
+    assert_eq!(count(&render(&mut renderer, &config, 0), "vpls/lit"), (columns * rows) as u64);
     assert!((columns * rows) < 64 * 32 / 2, "the floor is less than half of the map");
     finish(renderer.gpu());
 }
@@ -134,7 +124,7 @@ fn after_a_warm_up_no_frame_of_a_path_makes_a_pipeline() {
     let pictures: Vec<_> = (0..3)
         .map(|frame| {
             let rendered = render(&mut cold, &config, frame);
-            assert!(lit(&rendered) > 0, "frame {frame} shows a lit wall");
+            assert!(count(&rendered, "vpls/lit") > 0, "frame {frame} shows a lit wall");
             made.push(cold.engine().pipelines_made());
             rendered.picture.unwrap()
         })

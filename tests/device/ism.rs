@@ -71,8 +71,7 @@ fn the_map_of_a_sphere_has_no_hole_and_the_spheres_radius() {
             config.visibility.points = points;
             config.visibility.point_count = 80_000;
             let mut renderer = renderer(scene);
-            let execution = Execution { dump: vec!["visibility/push-0".to_owned()], ..Execution::default() };
-            let rendered = renderer.render(&config, 0, false, &execution).unwrap();
+            let rendered = dump(&mut renderer, &config, 0, &["visibility/push-0"]);
             let far = renderer.world().device().bounds.size().length();
             let map: Vec<f32> = words(dumped(&rendered, "visibility/maps")).map(f32::from_bits).collect();
             let side = 64;
@@ -106,8 +105,7 @@ fn slanted(normals: bool) -> (f32, f32) {
     config.visibility.point_count = 20_000;
     config.visibility.normals = normals;
     let mut renderer = renderer(scene);
-    let execution = Execution { dump: vec!["visibility/push-0".to_owned()], ..Execution::default() };
-    let rendered = renderer.render(&config, 0, false, &execution).unwrap();
+    let rendered = dump(&mut renderer, &config, 0, &["visibility/push-0"]);
     let far = renderer.world().device().bounds.size().length();
     let plane = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
     let (mut errors, mut holes) = (Vec::new(), 0);
@@ -166,8 +164,7 @@ fn bytes_repeat_whatever_the_points_and_the_renderer() {
         config.visibility.normals = points == PointSet::Adaptive;
         let pass = if kind == IsmRenderer::Splat { "visibility/splat-distances" } else { "visibility/push-0" };
         let mut frame = |i| {
-            let execution = Execution { dump: vec![pass.to_owned()], ..Execution::default() };
-            let rendered = renderer.render(&config, i, true, &execution).unwrap();
+            let rendered = dump(&mut renderer, &config, i, &[pass]);
             let maps = dumped(&rendered, "visibility/maps").to_vec();
             let picture = rendered.picture.unwrap();
             (maps, picture.image, picture.irradiance.values)
@@ -348,12 +345,9 @@ fn a_full_partition_is_counted_told_of_and_drawn_by_nobody() {
     let (host, mut config) = builtin(Builtin::Cornell);
     let mut renderer = renderer(host);
     config.visibility.capacity = Some(320);
-    let mut frame = || {
-        let execution = Execution { dump: vec!["visibility/push-0".to_owned()], ..Execution::default() };
-        renderer.render(&config, 0, false, &execution).unwrap()
-    };
+    let mut frame = || dump(&mut renderer, &config, 0, &["visibility/push-0"]);
     let (first, second) = (frame(), frame());
-    let count = |name: &str| first.counts.iter().find(|(known, _)| known == name).unwrap().1;
+    let count = |name: &str| count(&first, name);
     assert!(count("visibility/dropped-points") > 0 && count("visibility/drawn-points") > 0);
     assert_eq!(first.counts, second.counts);
     assert_eq!(dumped(&first, "visibility/maps"), dumped(&second, "visibility/maps"));

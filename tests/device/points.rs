@@ -3,7 +3,6 @@
 use crate::common::*;
 use glam::{Vec2, Vec3};
 use manylight::config::{Builtin, Collect, Config, SceneConfig, VisibilityMethod};
-use manylight::graph::{DumpData, Execution};
 use manylight::renderer::Renderer;
 use manylight::scene::Scene;
 use manylight::scene::pack::octahedral_inverse;
@@ -44,14 +43,8 @@ fn points(renderer: &mut Renderer, config: &Config) -> Vec<Point> {
         Collect::Compute => "visibility/points-computed",
         Collect::Tessellation => "visibility/points-tessellated",
     };
-    renderer.check(config).unwrap();
-    let execution = Execution { dump: vec![pass.to_owned()], ..Execution::default() };
-    let rendered = renderer.render(config, 0, false, &execution).unwrap();
-    let words = |name: &str| -> Vec<u32> {
-        let dump = rendered.dumps.iter().find(|dump| dump.resource == name).unwrap();
-        let DumpData::Buffer { bytes, .. } = &dump.data else { panic!("{name} is a buffer") };
-        bytes.chunks_exact(4).map(|w| u32::from_le_bytes(w.try_into().unwrap())).collect()
-    };
+    let rendered = dump(renderer, config, 0, &[pass]);
+    let words = |name: &str| -> Vec<u32> { words(dumped(&rendered, name)).collect() };
     let (buffer, fill) = (words("visibility/points"), words("visibility/fill"));
     let capacity = buffer.len() / 4 / fill.len();
     let mut all = Vec::new();

@@ -4,7 +4,6 @@ use crate::common::*;
 use glam::{DVec3, Vec3};
 use manylight::config::{Config, SsaoMethod, SsaoResolution};
 use manylight::gpu::Format;
-use manylight::graph::{DumpData, Execution};
 use manylight::output::Plane;
 use manylight::renderer::Renderer;
 use manylight::scene::Scene;
@@ -24,11 +23,9 @@ fn config(position: Vec3, target: Vec3) -> Config {
 
 /// The share that each pixel sees, row by row, and the pixels' positions.
 fn shares(renderer: &mut Renderer, config: &Config) -> (Vec<f32>, Vec<Vec3>) {
-    renderer.check(config).unwrap();
-    let execution = Execution { dump: vec!["ssao/share".to_owned()], ..Execution::default() };
-    let rendered = renderer.render(config, 0, true, &execution).unwrap();
-    let DumpData::Image { texels, .. } = &rendered.dumps[0].data else { panic!("an image") };
-    (Plane::decode(Format::R32Float, texels).values, rendered.picture.unwrap().positions())
+    let rendered = dump(renderer, config, 0, &["ssao/share"]);
+    let shares = Plane::decode(Format::R32Float, dumped(&rendered, "ssao/visible")).values;
+    (shares, rendered.picture.unwrap().positions())
 }
 
 fn quad(scene: &mut Scene, corners: [[f32; 3]; 4]) {

@@ -10,7 +10,7 @@ use manylight::gpu::Format;
 use manylight::graph::{Engine, Execution, Graph, Library};
 use manylight::output::Picture;
 use manylight::reference::{Layer, Settings};
-use manylight::renderer::{Rendered, Renderer};
+use manylight::renderer::Renderer;
 use manylight::scene::builder::Mesh;
 use manylight::scene::source::load_scene;
 use manylight::scene::{Aabb, Camera, Material, Scene};
@@ -40,11 +40,6 @@ fn stochastic(config: &mut Config) {
     config.gather.delta = 0.01;
     config.gather.min_distance = 0.05;
     config.filter.kind = manylight::config::FilterKind::None;
-}
-
-fn render(renderer: &mut Renderer, config: &Config) -> Rendered {
-    renderer.check(config).unwrap_or_else(|error| panic!("{error:#}"));
-    renderer.render(config, 0, true, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"))
 }
 
 /// No chance, no least distance, rays for shadows: what is left is the light of all VPLs.
@@ -82,14 +77,6 @@ fn away_from_edges(x: DVec3, size: DVec3) -> bool {
     x.z > 0.3 && [x, size - x].iter().flat_map(|d| d.to_array()).filter(|d| *d < 0.3).count() <= 1
 }
 
-fn irradiance(renderer: &mut Renderer, config: &Config) -> Vec<Vec3> {
-    render(renderer, config).picture.unwrap().irradiance.rgb().collect()
-}
-
-fn count(rendered: &Rendered, name: &str) -> u64 {
-    rendered.counts.iter().find(|(known, _)| known == name).map(|(_, count)| *count).unwrap_or_else(|| panic!("nothing counts {name}"))
-}
-
 /// Pixels that differ by more than sums in other orders and halves do.
 fn apart(a: &[Vec3], b: &[Vec3]) -> usize {
     a.iter().zip(b).filter(|(a, b)| (**a - **b).abs().max_element() > 2e-3 * a.max_element().max(b.max_element()) + 1e-5).count()
@@ -111,7 +98,7 @@ fn culling_loses_nothing_whatever_bounds_it_by_and_whoever_culls() {
         config.gather.bounds = Bounds::Ellipsoid;
         for culling in [Culling::Splatting, Culling::ConservativeClusters] {
             config.gather.culling = culling;
-            let rendered = render(&mut renderer, &config);
+            let rendered = render(&mut renderer, &config, 0);
             let found: Vec<Vec3> = rendered.picture.as_ref().unwrap().irradiance.rgb().collect();
             let pixels = apart(&found, &every);
             assert!(pixels == 0, "{culling:?} differs in {pixels} pixels at roughness {roughness}");
@@ -132,7 +119,7 @@ fn culling_loses_nothing_whatever_bounds_it_by_and_whoever_culls() {
         let mut by = |rasterization| {
             config.gather.rasterization = rasterization;
             assert!(renderer.choices(&config).is_empty());
-            let rendered = render(&mut renderer, &config);
+            let rendered = render(&mut renderer, &config, 0);
             (rendered.picture.as_ref().unwrap().irradiance.rgb().collect::<Vec<Vec3>>(), count(&rendered, "gather/nodes"))
         };
         let ((extension, listed), (shader, most)) = (by(Rasterization::Extension), by(Rasterization::GeometryShader));
@@ -260,17 +247,17 @@ fn lists_are_shorter_than_all_lights_lose_none_and_repeat_their_bytes() {
     config.gather.statistics = true;
     config.vpls.reflection = Reflection::Glossy;
     let mut renderer = renderer(scene);
-    let rendered = render(&mut renderer, &config);
-    let again = render(&mut renderer, &config);
+    let rendered = render(&mut renderer, &config, 0);
+    let again = render(&mut renderer, &config, 0);
     assert!(rendered.picture.unwrap().irradiance.values == again.picture.as_ref().unwrap().irradiance.values);
     config.gather.bounds = Bounds::None;
-    let every = render(&mut renderer, &config);
+    let every = render(&mut renderer, &config, 0);
     assert_eq!(count(&again, "gather/glossy-lit"), count(&every, "gather/glossy-lit"));
     assert!(count(&again, "gather/glossy-listed") < count(&every, "gather/glossy-listed"));
     assert_eq!(count(&again, "gather/diffuse-listed"), 0);
     config.gather.bounds = Bounds::Ellipsoid;
     config.gather.culling = Culling::ConservativeClusters;
-    assert_eq!(count(&render(&mut renderer, &config), "gather/glossy-lit"), count(&every, "gather/glossy-lit"));
+    assert_eq!(count(&render(&mut renderer, &config, 0), "gather/glossy-lit"), count(&every, "gather/glossy-lit"));
     finish(renderer.gpu());
 }
 
@@ -287,7 +274,7 @@ fn ellipsoids_list_a_tenth_of_the_wrong_vpls_that_spheres_around_vpls_list() {
         let mut renderer = renderer(scene);
         let mut wrong = |bounds| {
             config.gather.bounds = bounds;
-            let rendered = render(&mut renderer, &config);
+            let rendered = render(&mut renderer, &config, 0);
             let listed = count(&rendered, "gather/glossy-listed");
             (listed - count(&rendered, "gather/glossy-lit"), listed, count(&rendered, "gather/pixels"))
         };
@@ -474,7 +461,7 @@ fn all_vpls_that_one_pixel_may_have_shine_on_it() {
     config.gather.delta = 1e-6;
     config.gather.statistics = true;
     let mut renderer = renderer(scene);
-    let both = render(&mut renderer, &config);
+    let both = render(&mut renderer, &config, 0);
     let [pixels, diffuse, glossy] = ["pixels", "diffuse-lit", "glossy-lit"].map(|name| count(&both, &format!("gather/{name}")));
     println!("{} diffuse and {} glossy VPLs light a pixel", diffuse / pixels, glossy / pixels);
     assert!(diffuse == glossy && diffuse > 18_000 * pixels && pixels == 1_600);
@@ -494,11 +481,11 @@ fn light_lists_that_are_cut_short_say_how_much_is_lost() {
     let (scene, mut config) = metal(0.1);
     config.gather.culling = Culling::ConservativeClusters;
     let mut renderer = renderer(scene);
-    let whole = render(&mut renderer, &config);
+    let whole = render(&mut renderer, &config, 0);
     assert!(whole.warnings().is_empty());
     let all = count(&whole, "gather/nodes");
     config.gather.nodes = all as u32 / 2;
-    let cut = render(&mut renderer, &config);
+    let cut = render(&mut renderer, &config, 0);
     assert_eq!(count(&cut, "gather/nodes"), all);
     assert_eq!(count(&cut, "gather/lost"), all - all / 2);
     assert!(cut.warnings()[0].contains(&format!("{} nodes found no room", all - all / 2)), "{:?}", cut.warnings());
@@ -612,10 +599,10 @@ fn the_preset_has_the_light_of_the_path_tracer_where_rays_make_its_shadows() {
     ];
     let config = manylight::config::load(path, &sets.map(str::to_owned)).unwrap_or_else(|error| panic!("{error:#}"));
     let mut renderer = traced(load_scene(&config.scene).unwrap().0);
-    let rendered = render(&mut renderer, &config);
+    let rendered = render(&mut renderer, &config, 0);
     let [diffuse, glossy, pixels] = ["diffuse-lit", "glossy-lit", "pixels"].map(|name| count(&rendered, &format!("gather/{name}")));
     assert!(diffuse > 100 * pixels && glossy > 100 * pixels, "{diffuse} diffuse and {glossy} glossy VPLs light {pixels} pixels");
-    assert!(rendered.picture.unwrap().image == render(&mut renderer, &config).picture.unwrap().image);
+    assert!(rendered.picture.unwrap().image == render(&mut renderer, &config, 0).picture.unwrap().image);
     let ratio = light(&mut renderer, &config, |_| true) / light_of_paths(&mut renderer, &config, 256, |_| true);
     println!("{ratio:.4} of the path tracer's light; {diffuse} diffuse and {glossy} glossy VPLs light {pixels} pixels");
     assert!((ratio - 1.0).abs() < 0.02, "{ratio} of the path tracer's light");
@@ -629,7 +616,7 @@ fn chance_is_the_same_in_every_frame_unless_it_is_to_be_another() {
     config.gather.delta = 0.1;
     let mut renderer = renderer(scene);
     let mut frames = |config: &Config| -> Vec<Vec<Vec3>> {
-        let mut frame = |index| renderer.render(config, index, true, &Execution::default()).unwrap().picture.unwrap();
+        let mut frame = |index| render(&mut renderer, config, index).picture.unwrap();
         [0, 1].map(&mut frame).into_iter().map(|picture| picture.irradiance.rgb().collect()).collect()
     };
     let fixed = frames(&config);
