@@ -86,6 +86,9 @@ pub(super) fn run(
     let result = match timing {
         Timing::Isolated | Timing::Overlapped => gpu.submit("a frame", |commands| {
             prologue(commands);
+            if !ready.is_empty() {
+                commands.expect_stamps(4 * ready.len() as u32);
+            }
             let boundary = |commands: &mut Commands<'_>| {
                 if timing == Timing::Isolated {
                     commands.barrier(&Barrier::FULL);

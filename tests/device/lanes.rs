@@ -25,7 +25,7 @@ fn shoot(renderer: &mut Renderer, lane: &mut Lane, config: &Config, index: u32) 
 }
 
 fn rounds(rendered: &Rendered) -> u64 {
-    rendered.counts.iter().find(|(name, _)| name == "bounce/rounds").unwrap_or_else(|| panic!("{:?}", rendered.counts)).1
+    count(rendered, "bounce/rounds")
 }
 
 #[test]
