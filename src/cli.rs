@@ -16,7 +16,7 @@ pub use report::ReportArgs;
 pub use reproduce::ReproduceArgs;
 pub use sequence::{SequenceArgs, Shard};
 
-use crate::config::{TimingMode, choices};
+use crate::config::choices;
 use crate::gpu::DeviceChoice;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, CommandFactory, Parser, Subcommand};
@@ -57,6 +57,8 @@ pub enum Command {
     Doctor,
     /// List devices, stages, methods and presets
     List,
+    /// Print what a config takes as JSON Schema, by which an editor completes and checks it
+    Schema,
 }
 
 #[derive(Debug, Clone, PartialEq, Args)]
@@ -78,7 +80,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub sequence: SequenceArgs,
     /// How passes are timed
-    #[arg(long, value_name = "MODE", value_parser = PossibleValuesParser::new(choices::<TimingMode>()).map(String::from))]
+    #[arg(long, value_name = "MODE", value_parser = PossibleValuesParser::new(choices("frame.timing")).map(String::from))]
     timing: Option<String>,
     /// The device to render on: part of its name, its index in `manylight list`, or cpu
     #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = device)]
@@ -207,6 +209,7 @@ fn device(text: &str) -> Result<DeviceChoice, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::TimingMode;
     use clap::error::ErrorKind;
 
     fn arguments(line: &str) -> Result<Cli, clap::Error> {
@@ -384,8 +387,9 @@ mod tests {
     }
 
     #[test]
-    fn doctor_and_list_take_nothing() {
+    fn doctor_list_and_schema_take_nothing() {
         assert_eq!(arguments("doctor").unwrap().command, Command::Doctor);
         assert_eq!(arguments("list").unwrap().command, Command::List);
+        assert_eq!(arguments("schema").unwrap().command, Command::Schema);
     }
 }

@@ -1,7 +1,7 @@
 //! The arguments of `manylight bench`.
 
 use super::{device, key_value, size};
-use crate::config::{TimingMode, choices};
+use crate::config::choices;
 use crate::gpu::DeviceChoice;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -39,7 +39,7 @@ pub struct BenchArgs {
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
     /// How passes are timed
-    #[arg(long, value_name = "MODE", value_parser = PossibleValuesParser::new(choices::<TimingMode>()).map(String::from))]
+    #[arg(long, value_name = "MODE", value_parser = PossibleValuesParser::new(choices("frame.timing")).map(String::from))]
     timing: Option<String>,
     /// The device to measure: part of its name, its index in `manylight list`, or cpu
     #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = device)]

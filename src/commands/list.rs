@@ -1,5 +1,6 @@
 //! `manylight list`: devices, stages with their methods, presets.
 
+use crate::config::{Choice, KeyInfo, Kind, keys};
 use crate::gpu::Gpu;
 use crate::presets;
 use crate::{reference, stages};
@@ -22,8 +23,16 @@ pub fn run() -> Result<()> {
     let mut slots: Vec<&str> = methods.iter().map(|method| method.slot).collect();
     slots.dedup();
     for slot in slots {
-        let names: Vec<&str> = methods.iter().filter(|method| method.slot == slot).map(|method| method.name.as_str()).collect();
-        println!("  {slot:<20} {}", names.join(", "));
+        let key = keys().iter().find(|info| info.key == slot);
+        println!("  {}", key.map_or_else(|| slot.to_owned(), |key| format!("{slot}: {}", key.what)));
+        let choices: &[Choice] = match key {
+            Some(KeyInfo { kind: Kind::Choice(choices), .. }) => choices,
+            _ => &[],
+        };
+        for method in methods.iter().filter(|method| method.slot == slot) {
+            let what = choices.iter().find(|choice| choice.name == method.name).map_or("", |choice| &choice.what);
+            println!("{}", format!("    {:<22} {what}", method.name).trim_end());
+        }
     }
     println!("\npresets");
     for (name, text) in presets::all() {

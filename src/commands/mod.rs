@@ -12,6 +12,7 @@ pub mod reference;
 pub mod render;
 pub mod report;
 pub mod reproduce;
+pub mod schema;
 mod setup;
 mod truth;
 
@@ -33,6 +34,7 @@ pub fn run(cli: &Cli) -> Result<()> {
         Command::Bench(args) => bench::run(args),
         Command::Doctor => doctor::run(),
         Command::List => list::run(),
+        Command::Schema => schema::run(),
     }
 }
 

@@ -1,7 +1,6 @@
-//! Checks a merged config key by key against the list of keys: unknown keys, wrong types, values out of range. What passes
-//! deserializes.
+//! Checks a merged config key by key against the schema: unknown keys, wrong types, values out of range. What passes deserializes.
 
-use super::keys::{BRIGHTEST, FARTHEST, FINITE, KeyInfo, Kind, LIGHT_KINDS, Range, keys, listed};
+use super::keys::{Choice, KeyInfo, Kind, Range, choices, keys, listed};
 use super::tree::{Node, Origin, Table, Value, join, quoted};
 use crate::fail;
 use anyhow::Result;
@@ -11,23 +10,16 @@ pub fn error(origin: &Origin, path: &str, message: impl std::fmt::Display) -> an
     fail!(BadInput, "{origin}: {path}: {message}")
 }
 
-/// Checks a table and all below it. `pattern` is its key in the list, `path` its key with real indices.
+/// Checks a table and all below it. `pattern` is its key in the list of keys, `path` its key with real indices.
 pub fn table(table: &Table, pattern: &str, path: &str) -> Result<()> {
     let mut entries: Vec<_> = table.iter().collect();
     entries.sort_by_key(|(_, node)| (std::cmp::Reverse(node.origin.source.layer), node.origin.line));
     for (key, node) in entries {
         let path = join(path, key);
         let pattern = if pattern.is_empty() { key.clone() } else { format!("{pattern}.{key}") };
-        let dotted = key.contains('.');
-        if let Some(info) = find(&pattern).filter(|_| !dotted) {
-            value(node, info, &path)?;
-        } else if !dotted && !key.is_empty() && is_section(&pattern) {
-            match &node.value {
-                Value::Table(inner) => self::table(inner, &pattern, &path)?,
-                _ => return Err(error(&node.origin, &path, format_args!("expects a table, found {}", node.found()))),
-            }
-        } else {
-            return Err(error(&node.origin, &path, format_args!("unknown key{}", hint(key, &pattern))));
+        match find(&pattern).filter(|_| !key.contains('.')) {
+            Some(info) => value(node, info, &path)?,
+            None => return Err(error(&node.origin, &path, format_args!("unknown key{}", hint(key, &pattern)))),
         }
     }
     Ok(())
@@ -37,19 +29,20 @@ fn find(pattern: &str) -> Option<&'static KeyInfo> {
     keys().iter().find(|info| info.key == pattern)
 }
 
-fn is_section(pattern: &str) -> bool {
-    keys().iter().any(|info| info.key.strip_prefix(pattern).is_some_and(|rest| rest.starts_with('.')))
+/// The keys right below a table or in the tables of a list, by name.
+fn below(pattern: &str) -> impl Iterator<Item = (&'static str, &'static KeyInfo)> {
+    let inside = move |info: &'static KeyInfo| match pattern {
+        "" => Some(info.key.as_str()),
+        _ => info.key.strip_prefix(pattern)?.strip_prefix('.'),
+    };
+    keys().iter().filter_map(move |info| Some((inside(info)?, info))).filter(|(name, _)| !name.contains('.'))
 }
 
 /// The near miss of an unknown key: beside it, else the same name in another section.
 fn hint(key: &str, pattern: &str) -> String {
-    let parent = pattern.strip_suffix(key).unwrap_or("");
-    let siblings: Vec<&str> = keys()
-        .iter()
-        .filter_map(|info| info.key.strip_prefix(parent))
-        .map(|rest| rest.split('.').next().unwrap_or(rest))
-        .filter(|name| *name != "N")
-        .collect();
+    let parent = pattern.strip_suffix(key).unwrap_or("").trim_end_matches('.');
+    let mut siblings: Vec<&str> = below(parent).map(|(name, _)| name).collect();
+    siblings.dedup();
     if let Some(near) = nearest(key, &siblings) {
         return format!("; did you mean \"{near}\"?");
     }
@@ -57,11 +50,7 @@ fn hint(key: &str, pattern: &str) -> String {
     match elsewhere {
         Some(info) => format!("; did you mean \"{}\"?", info.key),
         None if siblings.is_empty() => String::new(),
-        None => {
-            let mut names = siblings;
-            names.dedup();
-            format!("; known here are {}", names.join(", "))
-        }
+        None => format!("; known here are {}", siblings.join(", ")),
     }
 }
 
@@ -82,6 +71,10 @@ fn value(node: &Node, info: &KeyInfo, path: &str) -> Result<()> {
     let out =
         |what: &dyn std::fmt::Display| error(&node.origin, path, format_args!("{what} is out of range, expected {}", info.kind.range()));
     match (&info.kind, &node.value) {
+        (Kind::Table, Value::Table(inner)) => {
+            table(inner, &info.key, path)?;
+            needs(node, inner, &info.key, path, None)?;
+        }
         (Kind::Text, Value::Text(text)) => {
             if text.is_empty() {
                 return Err(error(&node.origin, path, "is empty"));
@@ -138,14 +131,11 @@ fn value(node: &Node, info: &KeyInfo, path: &str) -> Result<()> {
                 }
             }
         }
-        (Kind::Point, Value::List(items)) => {
-            three(items, FARTHEST, path).unwrap_or_else(|| Err(wrong()))?;
-        }
-        (Kind::Color, Value::List(items)) => {
-            three(items, BRIGHTEST, path).unwrap_or_else(|| Err(wrong()))?;
+        (Kind::Point(range) | Kind::Color(range), Value::List(items)) => {
+            three(items, *range, path).unwrap_or_else(|| Err(wrong()))?;
         }
         (Kind::Direction, Value::List(items)) => {
-            if three(items, FINITE, path).unwrap_or_else(|| Err(wrong()))? == [0.0; 3] {
+            if three(items, Range::FINITE, path).unwrap_or_else(|| Err(wrong()))? == [0.0; 3] {
                 return Err(error(&node.origin, path, "[0, 0, 0] has no direction"));
             }
         }
@@ -163,13 +153,14 @@ fn out_of_range(value: &i64, info: &KeyInfo) -> String {
     format!("{value} is out of range, expected {}", info.kind.range())
 }
 
-fn choice(node: &Node, text: &str, names: &[&str], path: &str) -> Result<()> {
+fn choice(node: &Node, text: &str, choices: &[Choice], path: &str) -> Result<()> {
+    let names: Vec<&str> = choices.iter().map(|choice| choice.name.as_str()).collect();
     if names.contains(&text) {
         return Ok(());
     }
-    let near = nearest(text, names).map(|near| format!("; did you mean \"{near}\"?")).unwrap_or_default();
+    let near = nearest(text, &names).map(|near| format!("; did you mean \"{near}\"?")).unwrap_or_default();
     let expected = if names.len() == 1 { "expected" } else { "expected one of" };
-    Err(error(&node.origin, path, format_args!("unknown value {}, {expected} {}{near}", quoted(text), listed(names))))
+    Err(error(&node.origin, path, format_args!("unknown value {}, {expected} {}{near}", quoted(text), listed(&names))))
 }
 
 /// A number as the 32-bit one that it becomes, so that what rounds to zero counts as zero.
@@ -204,59 +195,55 @@ fn element(item: &Node, list: &KeyInfo, path: &str) -> Result<()> {
         return Err(error(&item.origin, path, format_args!("expects a table, found {}", item.found())));
     };
     let pattern = format!("{}.N", list.key);
-    let light = if list.key == "light" { light_kind(item, table, path)? } else { "" };
-    if list.key == "light" {
+    let light = if list.key == "light" { Some(light_kind(item, table, path)?) } else { None };
+    if let Some(light) = light {
         only_for(table, &pattern, path, light)?;
     }
     self::table(table, &pattern, path)?;
-    for info in keys() {
-        let Some(name) = info.key.strip_prefix(pattern.as_str()).and_then(|rest| rest.strip_prefix('.')) else { continue };
-        let applies = light.is_empty() || info.lights.contains(&light);
-        if info.default.is_none() && applies && !name.contains('.') && !table.contains_key(name) {
-            let what = if light.is_empty() { String::new() } else { format!("{} light ", with_article(light)) };
-            return Err(error(&item.origin, path, format_args!("{what}needs {name}")));
+    needs(item, table, &pattern, path, light)
+}
+
+/// Refuses a table that lacks what it must have.
+fn needs(node: &Node, table: &Table, pattern: &str, path: &str, light: Option<&str>) -> Result<()> {
+    for (name, info) in below(pattern).filter(|(name, info)| info.required && !table.contains_key(*name)) {
+        match light {
+            None => return Err(error(&node.origin, path, format_args!("needs {name}"))),
+            Some(light) if is_for(info, light) => {
+                return Err(error(&node.origin, path, format_args!("{} light needs {name}", with_article(light))));
+            }
+            Some(_) => {}
         }
     }
     Ok(())
 }
 
+fn is_for(info: &KeyInfo, light: &str) -> bool {
+    info.lights.iter().any(|kind| kind == light)
+}
+
 fn light_kind(item: &Node, table: &Table, path: &str) -> Result<&'static str> {
-    match table.get("kind") {
-        None => Err(error(&item.origin, path, format_args!("needs kind, one of {}", listed(LIGHT_KINDS)))),
-        Some(kind) => {
-            let path = join(path, "kind");
-            match (&kind.value, find("light.N.kind")) {
-                (_, Some(info)) => value(kind, info, &path)?,
-                (_, None) => unreachable!("light.N.kind is in the list of keys"),
-            }
-            let name = LIGHT_KINDS.iter().find(|name| matches!(&kind.value, Value::Text(text) if text == *name));
-            name.copied().ok_or_else(|| unreachable!("the kind was checked against the same list"))
-        }
-    }
+    let Some(kind) = table.get("kind") else {
+        return Err(error(&item.origin, path, format_args!("needs kind, one of {}", listed(choices("light.N.kind")))));
+    };
+    find("light.N.kind").map_or(Ok(()), |info| value(kind, info, &join(path, "kind")))?;
+    let name = choices("light.N.kind").find(|name| matches!(&kind.value, Value::Text(text) if text == name));
+    name.ok_or_else(|| unreachable!("the kind was checked against the same list"))
 }
 
 /// Refuses keys that only other kinds of light have, in a light and in its keyframes.
 fn only_for(table: &Table, pattern: &str, path: &str, light: &str) -> Result<()> {
     for (key, node) in table {
-        let Some(info) = find(&format!("{pattern}.{key}")) else { continue };
-        // A directional light has a position if it has a target, which is a rule of its own.
-        let has = info.lights.contains(&light) || (key == "position" && light == "directional");
-        if !has {
-            let instead = match key.as_str() {
-                "irradiance" | "intensity" | "radiance" => {
-                    let own = ["irradiance", "intensity", "radiance"];
-                    let own = own.iter().find(|own| find(&format!("light.N.{own}")).is_some_and(|info| info.lights.contains(&light)));
-                    own.map(|own| format!("; give {own}")).unwrap_or_default()
-                }
-                _ => String::new(),
-            };
+        let infos: Vec<&KeyInfo> = below(pattern).filter(|(name, _)| name == key).map(|(_, info)| info).collect();
+        if !infos.is_empty() && !infos.iter().any(|info| is_for(info, light)) {
+            let units = ["irradiance", "intensity", "radiance"];
+            let own = below("light.N").find(|(name, info)| units.contains(name) && is_for(info, light));
+            let instead = own.filter(|_| units.contains(&key.as_str())).map(|(own, _)| format!("; give {own}")).unwrap_or_default();
             return Err(error(&node.origin, &join(path, key), format_args!("{} light has no {key}{instead}", with_article(light))));
         }
-        if let (Kind::Tables, Value::List(items)) = (&info.kind, &node.value) {
+        if let (Some(KeyInfo { kind: Kind::Tables, key: list, .. }), Value::List(items)) = (infos.first(), &node.value) {
             for (index, item) in items.iter().enumerate() {
                 if let Value::Table(inner) = &item.value {
-                    let path = join(&join(path, key), &index.to_string());
-                    only_for(inner, &format!("{}.N", info.key), &path, light)?;
+                    only_for(inner, &format!("{list}.N"), &join(&join(path, key), &index.to_string()), light)?;
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! From files and `--set` options to a checked config, and back to TOML.
 
 use super::tree::{Lines, Node, Origin, Source, Table, Value, insert, overlay, override_value, quoted};
-use super::{Config, check, rules};
+use super::{Config, check, rules, scene};
 use crate::fail;
 use crate::presets;
 use anyhow::Result;
@@ -58,16 +58,16 @@ fn resolve(text: &str, path: &Path, overrides: &[String]) -> Result<(Config, Nod
 fn finish(mut root: Node) -> Result<(Config, Node)> {
     let Value::Table(table) = &mut root.value else { unreachable!("a document is a table") };
     check::table(table, "", "")?;
-    rules::given(table)?;
+    scene::given(table)?;
     scene_path(table)?;
     let mut config = match Config::deserialize(root.clone().into_toml()) {
         Ok(config) => config,
-        Err(error) => unreachable!("the list of keys lets through what the types refuse: {error}"),
+        Err(error) => unreachable!("the schema lets through what the types refuse: {error}"),
     };
     if config.scene.file.is_some() {
         config.scene.builtin = None;
     }
-    rules::values(&config, &root)?;
+    rules::check(&config, &root)?;
     Ok((config, root))
 }
 

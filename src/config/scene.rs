@@ -1,27 +1,40 @@
-//! `[scene]`, `[camera]` and `[[light]]`: what is seen, from where, and what lights it.
+//! `[scene]`.
 
+use super::Config;
+use super::check::error;
+use super::rules::{Broken, broken};
+use super::tree::{Node, Table, Value};
+use anyhow::Result;
+use schemars::JsonSchema;
 use serde::ser::{SerializeStruct, Serializer};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// `[scene]`: a glTF file or a built-in scene. Exactly one of `file` and `builtin` is set in a loaded config.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+/// The scene: a glTF file, or one that is made by code. A loaded config has exactly one of `file` and `builtin`.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SceneConfig {
-    /// A .glb or .gltf file; the config's own folder is what a relative path starts from. Absolute once loaded.
+    /// A .glb or .gltf file, in place of `scene.builtin`. A relative path starts from the folder of the config that says it.
+    // Absolute once loaded.
+    #[schemars(length(min = 1), extend("x-default" = "none"))]
     pub file: Option<PathBuf>,
-    /// Which of the file's scenes; its default scene if absent.
+    /// Which of the file's scenes.
+    #[schemars(extend("x-default" = "the file's default"))]
     pub scene: Option<SceneSelector>,
-    /// Which of the file's animations moves it, "none" for none; its first if absent.
+    /// Which of the file's animations moves the scene, in a loop. `"none"` holds it still.
+    #[schemars(extend("x-default" = "the file's first"))]
     pub animation: Option<SceneSelector>,
     pub builtin: Option<Builtin>,
-    /// About how many triangles the atrium is made of, and just how many the caustics are, 8,000 to 8,000,000.
+    /// Triangles of the built-in scene: about so many of the atrium, which has 10,000 at least, and exactly so many of the caustics.
+    #[schemars(range(min = 8_000, max = 8_000_000))]
     pub triangles: u32,
-    /// GGX's alpha of the caustics' metal, 0.001 to 1: a glTF material's roughness is its root.
+    /// GGX's alpha of the caustics' metal. It is the square of a glTF material's roughness.
+    #[schemars(range(min = 0.001, max = 1), extend("x-default" = "0.05 of the caustics"))]
     pub roughness: f32,
-    /// Seed of what is random in the atrium.
+    /// Seed of the atrium's random numbers.
     pub seed: u32,
-    /// Triangles are split until no edge is longer than this part of the scene's diagonal, 0.001 to 1; as they are if absent.
+    /// Length of the longest edge after triangles are split, in units of the scene's diagonal. Maps of clusters bend long edges.
+    #[schemars(range(min = 0.001, max = 1), extend("x-default" = "none"))]
     pub split: Option<f32>,
 }
 
@@ -71,16 +84,16 @@ impl Serialize for SceneConfig {
     }
 }
 
-/// One of a glTF file's scenes, or of its animations.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+/// One of a glTF file's scenes or animations, by index or by name.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum SceneSelector {
     Index(u32),
-    Name(String),
+    Name(#[schemars(length(min = 1))] String),
 }
 
-/// The scenes that are made by code.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// A scene that is made by code.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Builtin {
     /// A two-storey colonnaded court.
@@ -92,128 +105,40 @@ pub enum Builtin {
     Cornell,
 }
 
-/// `[camera]`: position and target, a path through keyframes, or a camera of the glTF file by name.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct CameraConfig {
-    /// Metres.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub position: Option<[f32; 3]>,
-    /// A point straight ahead, metres.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub target: Option<[f32; 3]>,
-    /// Need not be normalized; [0, 1, 0] if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub up: Option<[f32; 3]>,
-    /// Vertical field of view in degrees, 1 to 170; that of the named camera, else 60, if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fov_y_deg: Option<f32>,
-    /// Name of a camera of the glTF file; excludes `position`, `target`, `up` and `keyframes`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub node: Option<String>,
-    /// How the path runs between its keyframes.
-    pub interpolation: Interpolation,
-    /// Times rise; before the first and after the last the camera stands still.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub keyframes: Vec<CameraKeyframe>,
+/// Rules on keys that are there or not, before defaults fill them in.
+pub(super) fn given(root: &Table) -> Result<()> {
+    let Some(Node { value: Value::Table(scene), .. }) = root.get("scene") else { return Ok(()) };
+    if let (Some(file), Some(_)) = (scene.get("file"), scene.get("builtin")) {
+        return Err(error(&file.origin, "scene.file", "excludes scene.builtin; give one of them"));
+    }
+    for (key, several) in [("scene", "scenes"), ("animation", "animations")] {
+        if let (None, Some(node)) = (scene.get("file"), scene.get(key)) {
+            let message = format_args!("only a glTF file has {several} to choose from; give scene.file");
+            return Err(error(&node.origin, &format!("scene.{key}"), message));
+        }
+    }
+    let builtin = match scene.get("builtin") {
+        _ if scene.contains_key("file") => "",
+        Some(Node { value: Value::Text(name), .. }) => name.as_str(),
+        _ => "atrium",
+    };
+    let knobs: [(&str, &[&str]); 3] = [("triangles", &["atrium", "caustics"]), ("seed", &["atrium"]), ("roughness", &["caustics"])];
+    for (knob, scenes) in knobs {
+        if let (false, Some(node)) = (scenes.contains(&builtin), scene.get(knob)) {
+            let message = format_args!("of the built-in scenes only {} has this knob; remove it", scenes.join(" and "));
+            return Err(error(&node.origin, &format!("scene.{knob}"), message));
+        }
+    }
+    Ok(())
 }
 
-/// Where the camera is at one time.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CameraKeyframe {
-    /// Seconds; frame `i` is at `i / frame.fps`.
-    pub time: f32,
-    /// Metres.
-    pub position: [f32; 3],
-    /// Metres.
-    pub target: [f32; 3],
-    /// Degrees, 1 to 170; keyframes without it are skipped in the course of this value.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub fov_y_deg: Option<f32>,
-}
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Interpolation {
-    #[default]
-    Linear,
-    /// Smooth through every keyframe, times need not be even.
-    CatmullRom,
-}
-
-/// `[[light]]`: one light. Directions are those in which light travels and need not be normalized; a light is aimed by exactly
-/// one of `direction` and `target`. Keyframes run linearly, and hold at both ends.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum LightConfig {
-    /// Parallel light.
-    Directional {
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        direction: Option<[f32; 3]>,
-        /// With `target`: light travels from here to there. Metres.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        position: Option<[f32; 3]>,
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        target: Option<[f32; 3]>,
-        /// On a plane that faces the light, W/m^2, RGB.
-        irradiance: [f32; 3],
-        #[serde(default, skip_serializing_if = "Vec::is_empty")]
-        keyframes: Vec<LightKeyframe>,
-    },
-    /// A cone that falls off linearly in angle from `inner_deg` to `outer_deg`.
-    Spot {
-        /// Metres.
-        position: [f32; 3],
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        direction: Option<[f32; 3]>,
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        target: Option<[f32; 3]>,
-        /// Radiant intensity on the axis, W/sr, RGB.
-        intensity: [f32; 3],
-        /// Half-angle of full intensity, degrees, 0 to `outer_deg`; three quarters of `outer_deg` if absent.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        inner_deg: Option<f32>,
-        /// Half-angle of no light, degrees, over 0.1 to 80.
-        #[serde(default = "default_outer_deg")]
-        outer_deg: f32,
-        #[serde(default, skip_serializing_if = "Vec::is_empty")]
-        keyframes: Vec<LightKeyframe>,
-    },
-    /// The same in all directions.
-    Point {
-        /// Metres.
-        position: [f32; 3],
-        /// Radiant intensity, W/sr, RGB.
-        intensity: [f32; 3],
-        #[serde(default, skip_serializing_if = "Vec::is_empty")]
-        keyframes: Vec<LightKeyframe>,
-    },
-    /// From everywhere.
-    Environment {
-        /// W/(m^2 sr), RGB.
-        radiance: [f32; 3],
-    },
-}
-
-fn default_outer_deg() -> f32 {
-    40.0
-}
-
-/// What a light is at one time; a value that a keyframe leaves out runs between those keyframes that give it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LightKeyframe {
-    /// Seconds.
-    pub time: f32,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub position: Option<[f32; 3]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub direction: Option<[f32; 3]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub target: Option<[f32; 3]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub intensity: Option<[f32; 3]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub irradiance: Option<[f32; 3]>,
+impl SceneConfig {
+    /// Keys that exclude or need each other.
+    pub(super) fn rules(config: &Config) -> Result<(), Broken> {
+        if config.scene.builtin == Some(Builtin::Atrium) && config.scene.triangles < 10_000 {
+            let message = format!("{} is too few for the atrium, expected 10000 to 8000000", config.scene.triangles);
+            return broken("scene.triangles", message);
+        }
+        Ok(())
+    }
 }

@@ -47,11 +47,11 @@ impl Method {
 
     /// All methods of a key.
     pub fn every<C: Choice>() -> Vec<Self> {
-        let of_name = |name: &&'static str| {
-            let name: StrDeserializer<'_, serde::de::value::Error> = (*name).into_deserializer();
+        let of_name = |name: &'static str| {
+            let name: StrDeserializer<'_, serde::de::value::Error> = name.into_deserializer();
             C::deserialize(name).map(Self::of)
         };
-        let methods = choices::<C>().iter().map(of_name).collect::<Result<_, _>>();
+        let methods = choices(C::KEY).map(of_name).collect::<Result<_, _>>();
         methods.unwrap_or_else(|error| unreachable!("{}: serde knows the names: {error}", C::KEY))
     }
 

@@ -37,8 +37,8 @@ fn pod<T: bytemuck::Pod>(rendered: &Rendered, resource: &str) -> Vec<T> {
 #[test]
 fn vpls_of_every_sampler_keep_the_contract() {
     let (mut renderer, mut config) = room_with_dark_parts();
-    for name in choices::<VplSampler>() {
-        config.vpls.sampler = serde_json::from_value((*name).into()).unwrap();
+    for name in choices("vpls.sampler") {
+        config.vpls.sampler = serde_json::from_value(name.into()).unwrap();
         let hammersley = config.vpls.sampler == VplSampler::Hammersley;
         for importance in [Importance::None, Importance::PassedFlux].into_iter().take(if hammersley { 2 } else { 1 }) {
             for reflection in [Reflection::Diffuse, Reflection::Glossy, Reflection::Both] {

@@ -425,8 +425,9 @@ fn the_list_of_keys_is_what_the_types_take() {
     }
     found.sort();
     found.dedup();
-    let mut listed: Vec<_> = keys().iter().map(|key| key.key.to_owned()).collect();
+    let mut listed: Vec<_> = keys().iter().filter(|key| key.kind != Kind::Table).map(|key| key.key.clone()).collect();
     listed.sort();
+    listed.dedup();
     assert_eq!(found, listed);
 }
 
@@ -459,12 +460,16 @@ fn every_default_in_the_list_of_keys_is_accepted_and_changes_nothing() {
 fn every_name_in_the_list_of_keys_is_accepted() {
     let mut names = 0;
     for key in keys() {
-        let (Kind::Choice(choices) | Kind::Choices(choices)) = key.kind else { continue };
+        let (Kind::Choice(choices) | Kind::Choices(choices)) = &key.kind else { continue };
         assert!(!choices.is_empty(), "{}", key.key);
-        for name in choices.iter().filter(|_| !key.key.contains(".N.")) {
-            let value = if matches!(key.kind, Kind::Choices(_)) { format!("[\"{name}\"]") } else { (*name).to_owned() };
+        for Choice { name, what } in choices.iter() {
+            assert!(what.ends_with('.'), "{} = {name:?} is not explained: {what}", key.key);
+            if key.key.contains(".N.") {
+                continue;
+            }
+            let value = if matches!(key.kind, Kind::Choices(_)) { format!("[\"{name}\"]") } else { name.clone() };
             // With what some of them need.
-            let base = match key.key {
+            let base = match key.key.as_str() {
                 "vpls.reflection" | "gather.receiver" => "gather.culling = \"stochastic-tiled\"",
                 "vpls.importance" => "vpls.sampler = \"hammersley\"",
                 _ => "",
@@ -477,13 +482,22 @@ fn every_name_in_the_list_of_keys_is_accepted() {
 }
 
 #[test]
-fn the_table_has_a_row_for_every_key_and_four_columns() {
-    let table = markdown_table();
-    assert_eq!(table.lines().count(), keys().len() + 2);
-    for line in table.lines() {
+fn the_page_of_keys_has_a_row_for_every_key_and_four_columns() {
+    let page = markdown();
+    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
+    let sections = keys().iter().filter(|key| key.kind == Kind::Table).count();
+    assert_eq!(rows.len() + sections, keys().len());
+    for line in rows {
         assert_eq!(line.matches('|').count(), 5, "{line}");
     }
-    assert!(table.contains("| `gather.min_distance` | `0.3` | 0 to 1e6 |"), "{table}");
+    assert!(page.contains("| `gather.min_distance` | `0.3` | 0 to 1e6 |"), "{page}");
+}
+
+#[test]
+fn every_key_and_section_is_explained_in_sentences() {
+    for key in keys() {
+        assert!(key.what.ends_with('.') && !key.what.contains('\n'), "{}: {}", key.key, key.what);
+    }
 }
 
 #[test]

@@ -14,4 +14,5 @@ mod readme;
 mod reference;
 mod report;
 mod reproduce;
+mod schema;
 mod walks;

@@ -3,7 +3,7 @@
 use crate::place::{Place, text};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::process::{Command, Output};
 
 const TABLE: &str = r#"
 title = "Small"

@@ -1,0 +1,38 @@
+//! `[direct]`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Direct light.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct DirectConfig {
+    pub shadows: Shadows,
+    /// Distance that a surface is lifted along its normal before the shadow map is compared, metres. On slopes a texel's width is added.
+    #[schemars(range(min = 0, max = 1_000_000))]
+    pub bias: f32,
+    /// Filter radius of the shadow map, texels.
+    #[schemars(range(max = 8))]
+    pub blur: u32,
+}
+
+impl Default for DirectConfig {
+    fn default() -> Self {
+        Self { shadows: Shadows::Variance, bias: 0.005, blur: 1 }
+    }
+}
+
+/// How direct light is shadowed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shadows {
+    /// Variance shadow maps (Donnelly and Lauritzen 2006).
+    #[default]
+    Variance,
+    /// Several comparisons with the shadow map, averaged.
+    PercentageCloser,
+    /// A ray to the light: exact, with hard edges.
+    RayTraced,
+    /// No shadows.
+    None,
+}

@@ -1,0 +1,203 @@
+//! `[visibility]`.
+
+use super::rules::{Broken, broken};
+use super::{BounceVisibility, Config, Culling, VplSampler};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Shadows of virtual point lights.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct VisibilityConfig {
+    pub method: VisibilityMethod,
+    /// Imperfect shadow maps that the VPLs of `"every-texel"` share, at most. Neighbouring VPLs see nearly the same.
+    #[schemars(range(min = 1, max = 65_536))]
+    pub shared_maps: u32,
+    pub renderer: IsmRenderer,
+    pub collect: Collect,
+    pub points: PointSet,
+    /// Points that the scene's triangles are turned into, about.
+    #[schemars(range(min = 1, max = 67_108_864))]
+    pub point_count: u32,
+    /// Leaves out small triangles at random, so that every point stands for the same area. Otherwise every triangle has a point at least.
+    pub thin: bool,
+    /// Points that a map's partition has room for. Points beyond are dropped, and counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1_048_576), extend("x-default" = "from the number of points"))]
+    pub capacity: Option<u32>,
+    /// Side of a map, texels.
+    #[schemars(extend("enum" = [16, 32, 64, 128, 256]))]
+    pub map_size: u32,
+    /// Maps that each point is considered for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 32), extend("x-default" = "16, 1 for splats"))]
+    pub considered: Option<u32>,
+    /// Maps that each point is drawn into, at most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 16), extend("x-default" = "4, 1 for splats"))]
+    pub collected: Option<u32>,
+    /// Scales points by the distortion of the paraboloid projection.
+    pub distortion: bool,
+    /// Keeps points, and what pull and push make of them, inside their own map.
+    pub clamp: bool,
+    /// Factor of the points' radius.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(max = 16), extend("exclusiveMinimum" = 0, "x-default" = "1, 1.1 if adaptive, 1.25 with normals, 0.9 for splats"))]
+    pub enlarge: Option<f32>,
+    /// Limits a point's size by its normal.
+    pub normals: bool,
+    pub lookup: Lookup,
+    /// Distance behind a map's surface that is still lit, in units of what the map resolves there.
+    #[schemars(range(min = 0, max = 64))]
+    pub bias: f32,
+}
+
+impl Default for VisibilityConfig {
+    fn default() -> Self {
+        Self {
+            method: VisibilityMethod::None,
+            shared_maps: 1024,
+            renderer: IsmRenderer::SinglePixel,
+            collect: Collect::Compute,
+            points: PointSet::Uniform,
+            point_count: 326_000,
+            thin: false,
+            capacity: None,
+            map_size: 64,
+            considered: None,
+            collected: None,
+            distortion: true,
+            clamp: true,
+            enlarge: None,
+            normals: false,
+            lookup: Lookup::Bilinear,
+            bias: 0.75,
+        }
+    }
+}
+
+/// How VPLs are shadowed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum VisibilityMethod {
+    /// Not at all: indirect light passes through walls.
+    #[default]
+    None,
+    /// By a ray for each pair of pixel and VPL: exact.
+    RayTraced,
+    /// By imperfect shadow maps: one small paraboloid map of points per VPL (Ritschel et al. 2008).
+    ImperfectShadowMaps,
+    /// By one paraboloid map per cluster of VPLs, as set in `[bounce]`.
+    Clusters,
+}
+
+/// Comparison of receivers with imperfect shadow maps and clusters' maps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Lookup {
+    /// One texel.
+    Nearest,
+    /// Four texels around, bilinear (percentage-closer filtering).
+    #[default]
+    Bilinear,
+}
+
+/// How points get into imperfect shadow maps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum IsmRenderer {
+    /// As single texels. Pull and push fill the holes between them.
+    #[default]
+    SinglePixel,
+    /// As squares of their size.
+    Splat,
+}
+
+/// How triangles are turned into points.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Collect {
+    /// By a compute pass.
+    #[default]
+    Compute,
+    /// By the tessellator.
+    Tessellation,
+}
+
+/// Which points a map gets.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PointSet {
+    /// Random ones, by area.
+    #[default]
+    Uniform,
+    /// By the solid angle under which its VPL sees them: more of those nearby.
+    Adaptive,
+}
+
+impl Config {
+    /// How many imperfect shadow maps the VPLs of every texel share, where they do.
+    pub fn shared_maps(&self) -> Option<u32> {
+        let shared = self.visibility.method == VisibilityMethod::ImperfectShadowMaps && self.vpls.sampler == VplSampler::EveryTexel;
+        shared.then_some(self.visibility.shared_maps)
+    }
+
+    /// How the VPLs of the first bounce are shadowed, and those of further ones.
+    pub fn visibility_of_bounces(&self) -> [VisibilityMethod; 2] {
+        let further = match self.bounce.visibility {
+            BounceVisibility::None => VisibilityMethod::None,
+            BounceVisibility::RayTraced => VisibilityMethod::RayTraced,
+            BounceVisibility::ImperfectShadowMaps => VisibilityMethod::ImperfectShadowMaps,
+        };
+        [self.visibility.method, further]
+    }
+
+    /// How the VPLs of each bounce are shadowed.
+    pub fn visibility_methods(&self) -> impl Iterator<Item = VisibilityMethod> {
+        let [first, further] = self.visibility_of_bounces();
+        std::iter::once(first).chain(std::iter::repeat_n(further, self.bounce.count as usize - 1))
+    }
+}
+
+impl VisibilityConfig {
+    /// Keys that exclude or need each other.
+    pub(super) fn rules(config: &Config) -> Result<(), Broken> {
+        let ism = &config.visibility;
+        let splat = ism.renderer == IsmRenderer::Splat;
+        if ism.points == PointSet::Adaptive {
+            if splat {
+                return broken(
+                    "visibility.points",
+                    "\"adaptive\" chooses from points that a buffer holds, and splats come from no buffer; take renderer = \"single-pixel\"",
+                );
+            }
+            if ism.collect == Collect::Tessellation {
+                return broken(
+                    "visibility.points",
+                    "\"adaptive\" needs its points in an order that the tessellator does not keep; take collect = \"compute\"",
+                );
+            }
+        }
+        if ism.normals && splat {
+            return broken(
+                "visibility.normals",
+                "are kept for what fills the holes between single pixels, and splats have none of it; take renderer = \"single-pixel\"",
+            );
+        }
+        if let (Some(considered), Some(collected)) = (ism.considered, ism.collected)
+            && collected > considered
+        {
+            return broken(
+                "visibility.collected",
+                format!("{collected} is over visibility.considered, {considered}: a point is drawn into maps that it was considered for"),
+            );
+        }
+        if config.shared_maps().is_some() && config.gather.culling != Culling::StochasticTiled {
+            return broken(
+                "visibility.method",
+                "imperfect shadow maps are shared with stochastic tiles alone; take gather.culling = \"stochastic-tiled\" or another vpls.sampler",
+            );
+        }
+        Ok(())
+    }
+}
