@@ -29,9 +29,9 @@ fn library(files: &[(&str, &str)]) -> Library {
 fn write_then_read(ordered: bool) -> Vec<String> {
     let mut gpu = gpu();
     let mut library = library(&[("test/fill.comp", FILL), ("test/copy.comp", COPY)]);
-    library.prepare(&BTreeSet::from(["test/fill.comp".to_owned(), "test/copy.comp".to_owned()])).unwrap();
-    let fill = gpu.create_compute_pipeline("test/fill", library.get("test/fill.comp"), &[]).unwrap();
-    let copy = gpu.create_compute_pipeline("test/copy", library.get("test/copy.comp"), &[]).unwrap();
+    library.prepare(&BTreeSet::from(["test/fill.comp".into(), "test/copy.comp".into()])).unwrap();
+    let fill = gpu.create_compute_pipeline("test/fill", library.get(&"test/fill.comp".into()), &[]).unwrap();
+    let copy = gpu.create_compute_pipeline("test/copy", library.get(&"test/copy.comp".into()), &[]).unwrap();
     let (first, second) = (gpu.create_buffer("first", 256).unwrap(), gpu.create_buffer("second", 256).unwrap());
     let binding = |pipeline, name: &str| gpu.bindings(pipeline)[name].0;
     let filled = [(binding(fill, "to"), Bound::StorageBuffer(first))];
