@@ -95,7 +95,7 @@ fn lists(renderer: &mut Renderer, config: &Config) -> (Vec<u32>, usize) {
     let execution = Execution { dump: vec!["gather/light-lists".to_owned()], ..Execution::default() };
     let rendered = renderer.render(&config, 0, false, &execution).unwrap();
     let lists: Vec<u32> = words(dumped(&rendered, "gather/lists")).collect();
-    let used = rendered.counts.iter().find(|(name, _)| name == "gather/used-clusters").unwrap().1 as usize;
+    let used = rendered.counts.iter().find(|(name, _)| name == "gather/used-froxels").unwrap().1 as usize;
     let (parts, stride) = (16, 1 + config.vpls.count.div_ceil(16) as usize);
     ((0..used * parts).map(|part| lists[part * stride]).collect(), used)
 }

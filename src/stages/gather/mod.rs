@@ -1,9 +1,10 @@
 //! Irradiance at every pixel from the VPLs.
 
-mod rivals;
+mod conservative;
+mod splatting;
 mod stochastic;
 
-pub use rivals::shell_bytes;
+pub use conservative::shell_bytes;
 pub use stochastic::Roulette;
 
 use super::gbuffer::GBuffer;
@@ -16,7 +17,7 @@ use crate::scene::shells::Shells;
 use crate::shader_struct;
 
 shader_struct! {
-    /// `glsl/gather/ism.glsl`.
+    /// `glsl/gather/ism-lookup.glsl`.
     struct IsmBlock {
         far: f32,
         bias: f32,
@@ -24,7 +25,7 @@ shader_struct! {
         columns: u32,
     }
 
-    /// `glsl/gather/clusters.glsl`.
+    /// `glsl/gather/shadow-clusters.glsl`.
     struct ClustersBlock {
         far: f32,
         bias: f32,
@@ -35,7 +36,7 @@ shader_struct! {
         size: [i32; 2],
     }
 
-    struct ClusterListParams {
+    struct FroxelListParams {
         tiles: u32,
     }
 
@@ -87,10 +88,10 @@ pub fn indirect(
                 stochastic::tiled(g, gbuffer, vpls, *visibility, roulette, dielectric, config)
             }
             (GatherMethod::PerPixel, Culling::Splatting) => {
-                rivals::splatting(g, shells, gbuffer, vpls, roulette, dielectric, config).into()
+                splatting::splatting(g, shells, gbuffer, vpls, roulette, dielectric, config).into()
             }
             (GatherMethod::PerPixel, Culling::ConservativeClusters) => {
-                rivals::conservative_clusters(g, shells, gbuffer, vpls, roulette, dielectric, config).into()
+                conservative::conservative_clusters(g, shells, gbuffer, vpls, roulette, dielectric, config).into()
             }
             (GatherMethod::PerPixel, Culling::None | Culling::Tiled | Culling::Clustered) => {
                 per_pixel(g, gbuffer, vpls, *visibility, config).into()
@@ -137,19 +138,16 @@ fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibili
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
     let n = config.interleave;
     let groups = groups_of_sets(gbuffer.size, n, [2, 2]);
-    let clusters = match config.culling {
-        Culling::Clustered => Some(clusters(g, gbuffer, vpls, n)),
-        Culling::None | Culling::Tiled | Culling::StochasticTiled | Culling::Splatting | Culling::ConservativeClusters => None,
-    };
-    let names = match config.culling {
+    let name = match config.culling {
         Culling::StochasticTiled | Culling::Splatting | Culling::ConservativeClusters => unreachable!("they have functions of their own"),
-        Culling::None => ["gather/per-pixel", "gather/per-pixel-visible", "gather/per-pixel-ism", "gather/per-pixel-clusters", ""],
-        Culling::Tiled => ["gather/tiled", "gather/tiled-visible", "gather/tiled-ism", "gather/tiled-clusters", ""],
-        Culling::Clustered => ["gather/clustered", "gather/clustered-visible", "gather/clustered-ism", "gather/clustered-clusters", ""],
+        Culling::None => "gather/per-pixel",
+        Culling::Tiled => "gather/tiled",
+        Culling::Clustered => "gather/clustered",
     };
-    let mut pass = shadowed(g, names, visibility);
-    if let Some(clusters) = clusters {
-        pass = pass.reads("rows", clusters.rows).reads("lists", clusters.lists).constant("PARTS", parts(n));
+    let froxels = (config.culling == Culling::Clustered).then(|| froxels(g, gbuffer, vpls, n));
+    let mut pass = shadowed(g, name, visibility);
+    if let Some(Froxels { rows, lists }) = froxels {
+        pass = pass.reads("rows", rows).reads("lists", lists).constant("PARTS", parts(n));
     }
     pass.reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
@@ -172,16 +170,19 @@ fn in_maps<'g>(g: &'g mut Graph, name: &'static str, ism: Ism) -> ComputePass<'g
     g.compute(name).reads("ism", block).reads("maps", ism.maps).constant("BILINEAR", ism.lookup == Lookup::Bilinear)
 }
 
-/// The pass of those that is for a kind of shadow, with what that reads.
-fn shadowed<'g>(g: &'g mut Graph, names: [&'static str; 5], visibility: Visibility) -> ComputePass<'g> {
+/// Begins a pass that asks what pixels see of VPLs: with the parts for one kind of visibility, and what those read.
+fn shadowed<'g>(g: &'g mut Graph, name: &'static str, visibility: Visibility) -> ComputePass<'g> {
     match visibility {
-        Visibility::None => g.compute(names[0]),
-        Visibility::Bits(visible) => g.compute(names[1]).reads("visible", visible),
-        Visibility::Ism(ism) => in_maps(g, names[2], ism),
-        Visibility::SharedIsm { ism, labels, proxies } => in_maps(g, names[4], ism).reads("labels", labels).reads("proxies", proxies),
+        Visibility::None => g.compute(name),
+        Visibility::Bits(visible) => g.compute(name).part("seen", "gather/seen-bits").reads("visible", visible),
+        Visibility::Ism(ism) => in_maps(g, name, ism).part("shadow", "gather/shadow-ism"),
+        Visibility::SharedIsm { ism, labels, proxies } => {
+            in_maps(g, name, ism).part("shadow", "gather/shadow-shared-ism").reads("labels", labels).reads("proxies", proxies)
+        }
         Visibility::Clusters { clusters, bias, lookup } => {
             let block = g.upload("gather/clusters-of-vpls", &[ClustersBlock { far: clusters.far, bias, size: clusters.size as i32 }]);
-            g.compute(names[3])
+            g.compute(name)
+                .part("shadow", "gather/shadow-clusters")
                 .reads("maps_of", block)
                 .reads("maps", clusters.distances)
                 .reads("clusters", clusters.clusters)
@@ -191,9 +192,9 @@ fn shadowed<'g>(g: &'g mut Graph, names: [&'static str; 5], visibility: Visibili
     }
 }
 
-/// The light lists of those clusters that hold pixels.
-struct Clusters {
-    /// A cluster's list, by tile and slice; `glsl/gather/cluster.glsl`.
+/// The light lists of the froxels that hold pixels.
+struct Froxels {
+    /// A froxel's list, by tile and slice; `glsl/gather/froxel.glsl`.
     rows: Buffer,
     /// Lists in parts: how many VPLs are in the part, and which.
     lists: Buffer,
@@ -208,37 +209,37 @@ fn parts(interleave: u32) -> u32 {
     (interleave * interleave).max(16)
 }
 
-/// Finds the clusters, and which VPLs shine into each (Linke 2016, section 4.6.1).
-fn clusters(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, interleave: u32) -> Clusters {
+/// Finds the froxels that hold pixels, and which VPLs shine into each (Linke 2016, section 4.6.1).
+fn froxels(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, interleave: u32) -> Froxels {
     let [across, down] = gbuffer.size.map(|n| n.div_ceil(TILE));
     let tiles = across * down;
     let parts = parts(interleave);
     let slices = g.buffer::<u32>("gather/slices", tiles);
-    let clusters = g.buffer::<u32>("gather/clusters", tiles * SLICES);
+    let froxels = g.buffer::<u32>("gather/froxels", tiles * SLICES);
     let rows = g.buffer::<u32>("gather/rows", tiles * SLICES);
     let lists = g.buffer::<u32>("gather/lists", tiles * SLICES * parts * (1 + vpls.count.div_ceil(parts)));
-    let used = g.count("gather/used-clusters");
-    g.compute("gather/cluster-slices")
+    let used = g.count("gather/used-froxels");
+    g.compute("gather/froxel-slices")
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
         .writes("slices", slices)
         .dispatch_groups([across, down, 1]);
-    g.compute("gather/cluster-list")
+    g.compute("gather/froxel-list")
         .reads("slices", slices)
-        .writes("clusters", clusters)
+        .writes("froxels", froxels)
         .writes("rows", rows)
         .updates("used", used)
-        .params(&ClusterListParams { tiles })
+        .params(&FroxelListParams { tiles })
         .dispatch_groups([1, 1, 1]);
     g.compute("gather/light-lists")
         .reads("view", gbuffer.view)
         .reads("points", vpls.points)
         .reads("intensities", vpls.intensities)
-        .reads("clusters", clusters)
+        .reads("froxels", froxels)
         .reads("used", used)
         .writes("lists", lists)
         .constant("PARTS", parts)
         .params(&LightListsParams { count: vpls.count })
         .dispatch_groups([tiles * SLICES, 1, 1]);
-    Clusters { rows, lists }
+    Froxels { rows, lists }
 }

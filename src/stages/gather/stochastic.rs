@@ -3,7 +3,8 @@
 use super::{Indirect, Visibility, shadowed};
 use crate::config::{Bounds, Config, Dielectric, GatherConfig, Receiver, RouletteChoice};
 use crate::gpu::Format;
-use crate::graph::{Buffer, Graph, Image};
+use crate::graph::{Buffer, DrawList, Graph, Image};
+use crate::scene::shells::{Shell, Shells};
 use crate::shader_struct;
 use crate::stages::gbuffer::GBuffer;
 use crate::stages::vpls::{Lobe, Vpls};
@@ -105,6 +106,18 @@ pub(super) fn is_coated(vpls: &Vpls, dielectric: Dielectric) -> bool {
     dielectric == Dielectric::Ggx && vpls.lobes.is_some()
 }
 
+/// Bounding geometry of both kinds of VPLs' ranges, for a pass that tells them apart by its constant `GLOSSY`.
+pub(super) fn bounds(g: &mut Graph, shells: &Shells, vpls: &Vpls, shell: Shell, far_sides: bool) -> Vec<DrawList> {
+    let mut lists = Vec::new();
+    if vpls.diffuse {
+        lists.push(shells.list(g, "gather/diffuse-bounds", shell, vpls.count, far_sides, vec![("GLOSSY", 0)]));
+    }
+    if vpls.lobes.is_some() {
+        lists.push(shells.list(g, "gather/glossy-bounds", shell, vpls.count, far_sides, vec![("GLOSSY", 1)]));
+    }
+    lists
+}
+
 /// Culls by tiles and sums in one pass (section 5).
 pub(super) fn tiled(
     g: &mut Graph,
@@ -122,14 +135,7 @@ pub(super) fn tiled(
     let reflection = g.image("gather/reflection", Format::Rgba16Float, if reflects { gbuffer.size } else { [1, 1] });
     let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.statistics { gbuffer.size } else { [1, 1] });
     let groups = gbuffer.size.map(|side| side.div_ceil(TILE * n) * n);
-    let names = [
-        "gather/stochastic-tiled",
-        "gather/stochastic-tiled-visible",
-        "gather/stochastic-tiled-ism",
-        "gather/stochastic-tiled-clusters",
-        "gather/stochastic-tiled-shared-ism",
-    ];
-    shadowed(g, names, visibility)
+    shadowed(g, "gather/stochastic-tiled", visibility)
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
         .reads("normal", gbuffer.normal)

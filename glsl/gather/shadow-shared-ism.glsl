@@ -1,4 +1,4 @@
-// Shadows of VPLs by the imperfect shadow map of a neighbour: what its place sees, they see.
+// A VPL is seen where the imperfect shadow map of a neighbour has nothing nearer.
 #include "gather/ism-lookup.glsl"
 #include "lib/packing.glsl"
 #include "lib/vpl.glsl"
@@ -18,6 +18,11 @@ Shadow shadow_of(uint vpl, vec3 position, vec3 facing) {
     VplPoint proxy = proxies.at[label];
     mat3 axes = hemisphere(octahedral_snorm16_inverse(proxy.normal));
     return Shadow(axes[0], axes[1], proxy.position - position, map_corner(label, ism.columns, ism.size));
+}
+
+Shadow hand_round(Shadow shadow, uint lane) {
+    return Shadow(subgroupBroadcast(shadow.across, lane), subgroupBroadcast(shadow.up, lane), subgroupBroadcast(shadow.moved, lane),
+                  subgroupBroadcast(shadow.corner, lane));
 }
 
 float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float to) {

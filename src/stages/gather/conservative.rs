@@ -1,27 +1,23 @@
-//! What stochastic light culling by tiles was measured against (Tokuyoshi and Harada 2017, table 2): the same VPLs, ranges and sums, by
-//! rasterized bounds.
+//! Conservative clusters, a rival of stochastic light culling by tiles (Tokuyoshi and Harada 2017, table 2): the same VPLs, ranges and sums, by
+//! froxels that the VPLs' bounds are rasterized into.
 
-use super::stochastic::{Ranges, Roulette, StochasticParams, is_coated, ranges, statistics};
+use super::stochastic::{Ranges, Roulette, StochasticParams, bounds, is_coated, ranges, statistics};
 use crate::config::{Dielectric, GatherConfig, Rasterization};
 use crate::gpu::Format;
-use crate::graph::{DrawList, Graph, Image};
+use crate::graph::{Graph, Image};
 use crate::scene::shells::{Shell, Shells};
 use crate::shader_struct;
 use crate::stages::gbuffer::GBuffer;
 use crate::stages::vpls::Vpls;
 
 shader_struct! {
-    struct ReorderParams {
-        size: [i32; 2],
-    }
-
     struct ShellListsParams {
         count: u32,
         capacity: u32,
     }
 }
 
-/// Pixels of a tile's side, and slices of its depth: `glsl/gather/shell-cluster.glsl`.
+/// Pixels of a tile's side, and slices of its depth: `glsl/gather/shell-froxel.glsl`.
 const TILE: u32 = 16;
 const SLICES: u32 = 32;
 
@@ -31,58 +27,7 @@ pub fn shell_bytes(size: [u32; 2], interleave: u32, vpls: u32) -> u64 {
     8 * across * down * u64::from(vpls)
 }
 
-/// Bounds of both kinds of VPLs, for a pass that tells them apart by its constant `GLOSSY`.
-fn bounds(g: &mut Graph, shells: &Shells, vpls: &Vpls, shell: Shell, far_sides: bool) -> Vec<DrawList> {
-    let mut lists = Vec::new();
-    if vpls.diffuse {
-        lists.push(shells.list(g, "gather/diffuse-bounds", shell, vpls.count, far_sides, vec![("GLOSSY", 0)]));
-    }
-    if vpls.lobes.is_some() {
-        lists.push(shells.list(g, "gather/glossy-bounds", shell, vpls.count, far_sides, vec![("GLOSSY", 1)]));
-    }
-    lists
-}
-
-/// Every VPL's bounds are drawn, and add its light to the pixels that they cover (Dachsbacher and Stamminger 2006): 80 triangles each.
-pub(super) fn splatting(
-    g: &mut Graph,
-    shells: &Shells,
-    gbuffer: &GBuffer,
-    vpls: &Vpls,
-    roulette: Roulette,
-    dielectric: Dielectric,
-    config: &GatherConfig,
-) -> Image {
-    let Ranges { spheres, spheroids, chances, lobes } = ranges(g, gbuffer, vpls, roulette, config);
-    let n = config.interleave;
-    let sorted = g.image("gather/sorted", Format::Rgba32Float, gbuffer.size.map(|side| side.div_ceil(n) * n));
-    let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
-    let lists = bounds(g, shells, vpls, Shell::Eighty, true);
-    g.raster("gather/splatting")
-        .reads("view", gbuffer.view)
-        .reads("depth", gbuffer.depth)
-        .reads("normal", gbuffer.normal)
-        .reads("points", vpls.points)
-        .reads("intensities", vpls.intensities)
-        .reads("lobes", lobes)
-        .reads("spheres", spheres)
-        .reads("spheroids", spheroids)
-        .reads("chances", chances)
-        .constant("INTERLEAVE", n)
-        .constant("COATED", is_coated(vpls, dielectric))
-        .params(&StochasticParams::of(vpls, config))
-        .color_sum("sum", sorted)
-        .draw(lists);
-    g.compute("gather/reorder")
-        .reads("sorted", sorted)
-        .writes("irradiance", irradiance)
-        .constant("INTERLEAVE", n)
-        .params(&ReorderParams { size: gbuffer.size.map(|side| side as i32) })
-        .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
-    irradiance
-}
-
-/// Light lists of clusters, which the VPLs' bounds are conservatively rasterized into (Oertegren and Persson 2016): 20 triangles each. Counts
+/// Light lists of froxels, which the VPLs' bounds are conservatively rasterized into (Oertegren and Persson 2016): 20 triangles each. Counts
 /// `gather/nodes` of the lists and `gather/lost`, those that found no room.
 pub(super) fn conservative_clusters(
     g: &mut Graph,

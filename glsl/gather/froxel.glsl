@@ -1,5 +1,5 @@
-#ifndef CLUSTER_GLSL
-#define CLUSTER_GLSL
+#ifndef FROXEL_GLSL
+#define FROXEL_GLSL
 // Parts of the view's frustum, and which VPLs shine into them.
 #include "lib/view.glsl"
 
@@ -37,9 +37,9 @@ bool is_lit(Frustum f, vec3 position, vec3 facing) {
     return f.near <= f.far && most > -f.slack;
 }
 
-// Clusters (Linke 2016, section 4.6.1): tiles of 128 x 128 pixels, cut into 16 slices by distance. The first slice is a larger one
+// Froxels (Linke 2016, section 4.6.1): tiles of 128 x 128 pixels, cut into 16 slices by distance. The first slice is a larger one
 // (Persson and Olsson 2013); from its end on they grow by a constant factor, to the scene's diagonal.
-const int CLUSTER_TILE = 128;
+const int FROXEL_TILE = 128;
 const uint SLICES = 16u;
 const float FIRST_SLICE = 1.0 / 32.0; // of the diagonal
 

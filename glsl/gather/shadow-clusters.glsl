@@ -1,4 +1,4 @@
-// Shadows of VPLs by the maps of their clusters (Aranha et al., section III-C): what the cluster's place sees, its VPLs see.
+// A VPL is seen where the map of its VPL cluster has nothing nearer (Aranha et al., section III-C): what the cluster's place sees, its VPLs see.
 #include "bounce/cluster.glsl"
 #include "lib/packing.glsl"
 #include "lib/paraboloid.glsl"
@@ -31,9 +31,10 @@ Shadow shadow_of(uint vpl, vec3 position, vec3 facing) {
     return Shadow(axes[0], axes[1], moved, 0.5 / max(length(moved), 1e-12), int(label));
 }
 
-#define HAND_SHADOW_ROUND(shadow, lane) \
-    Shadow(subgroupBroadcast(shadow.across, lane), subgroupBroadcast(shadow.up, lane), subgroupBroadcast(shadow.moved, lane), \
-           subgroupBroadcast(shadow.near, lane), subgroupBroadcast(shadow.layer, lane))
+Shadow hand_round(Shadow shadow, uint lane) {
+    return Shadow(subgroupBroadcast(shadow.across, lane), subgroupBroadcast(shadow.up, lane), subgroupBroadcast(shadow.moved, lane),
+                  subgroupBroadcast(shadow.near, lane), subgroupBroadcast(shadow.layer, lane));
+}
 
 float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float to) {
     vec3 to_cluster = way + shadow.moved;

@@ -1,4 +1,4 @@
-// Shadows of VPLs by their imperfect shadow maps.
+// A VPL is seen where its imperfect shadow map has nothing nearer (Linke 2016, section 3.3).
 #include "gather/ism-lookup.glsl"
 
 struct Shadow {
@@ -12,8 +12,9 @@ Shadow shadow_of(uint vpl, vec3 position, vec3 facing) {
     return Shadow(axes[0], axes[1], map_corner(vpl, ism.columns, ism.size));
 }
 
-#define HAND_SHADOW_ROUND(shadow, lane) \
-    Shadow(subgroupBroadcast(shadow.across, lane), subgroupBroadcast(shadow.up, lane), subgroupBroadcast(shadow.corner, lane))
+Shadow hand_round(Shadow shadow, uint lane) {
+    return Shadow(subgroupBroadcast(shadow.across, lane), subgroupBroadcast(shadow.up, lane), subgroupBroadcast(shadow.corner, lane));
+}
 
 float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float to) {
     return lit_in_map(shadow.across, shadow.up, shadow.corner, normal, way, squared, from, to);

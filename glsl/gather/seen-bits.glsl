@@ -1,12 +1,4 @@
-#version 460
-#extension GL_EXT_scalar_block_layout : require
-#extension GL_GOOGLE_include_directive : require
-#extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_ballot : require
-// Pixels see those VPLs whose bits are set: a word for 32 of the pixel's set, layer after layer.
-#include "gather/unshadowed.glsl"
-#include "gather/stochastic-tiled.glsl"
-
+// Pixels see the VPLs whose bits are set: a word for 32 of the pixel's set, layer after layer.
 uniform usampler2DArray visible;
 
 uint word(ivec2 pixel, uint index) {

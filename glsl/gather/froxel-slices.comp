@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Which slices of each tile hold pixels: a workgroup a tile.
-#include "gather/cluster.glsl"
+#include "gather/froxel.glsl"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 
@@ -16,9 +16,9 @@ void main() {
     if (gl_LocalInvocationIndex == 0u) used = 0u;
     barrier();
     uint mine = 0u;
-    ivec2 corner = ivec2(gl_WorkGroupID.xy) * CLUSTER_TILE;
-    for (int y = int(gl_LocalInvocationID.y); y < CLUSTER_TILE; y += 16) {
-        for (int x = int(gl_LocalInvocationID.x); x < CLUSTER_TILE; x += 16) {
+    ivec2 corner = ivec2(gl_WorkGroupID.xy) * FROXEL_TILE;
+    for (int y = int(gl_LocalInvocationID.y); y < FROXEL_TILE; y += 16) {
+        for (int x = int(gl_LocalInvocationID.x); x < FROXEL_TILE; x += 16) {
             ivec2 pixel = corner + ivec2(x, y);
             bool inside = all(lessThan(uvec2(pixel), uvec2(view.it.width, view.it.height)));
             float z = inside ? texelFetch(depth, pixel, 0).r : 0.0;

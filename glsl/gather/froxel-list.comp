@@ -1,9 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The list of used clusters, and where each cluster is in it. One workgroup, in the tiles' order: an atomic counter would give
+// The list of used froxels, and where each froxel is in it. One workgroup, in the tiles' order: an atomic counter would give
 // each run another.
-#include "gather/cluster.glsl"
+#include "gather/froxel.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -12,7 +12,7 @@ layout(scalar, push_constant) uniform Params {
 } params;
 
 layout(scalar) readonly buffer Slices { uint at[]; } slices;
-layout(scalar) writeonly buffer Clusters { uint at[]; } clusters; // tile * SLICES + slice
+layout(scalar) writeonly buffer Froxels { uint at[]; } froxels; // tile * SLICES + slice
 layout(scalar) writeonly buffer Rows { uint at[]; } rows;
 layout(scalar) buffer Used { uint count; } used;
 
@@ -31,9 +31,9 @@ void main() {
     if (lane == 63u) atomicAdd(used.count, row + count);
     for (uint tile = low; tile < high; tile++) {
         for (uint bits = slices.at[tile]; bits != 0u; bits &= bits - 1u) {
-            uint cluster = tile * SLICES + uint(findLSB(bits));
-            clusters.at[row] = cluster;
-            rows.at[cluster] = row;
+            uint froxel = tile * SLICES + uint(findLSB(bits));
+            froxels.at[row] = froxel;
+            rows.at[froxel] = row;
             row++;
         }
     }
