@@ -1,8 +1,6 @@
 // Shadows from the maps. Whoever includes it defines
 //     float shadow(Light light, uint layer, vec2 uv, float distance);
 // the share of light that arrives at a distance along the map's axis.
-#include "direct/shade.glsl"
-
 float shadow(Light light, uint layer, vec2 uv, float distance);
 
 // The share of a light's map that reaches a point: none outside of the map.

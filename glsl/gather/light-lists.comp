@@ -15,7 +15,7 @@ layout(scalar, push_constant) uniform Params {
 } params;
 
 layout(scalar) uniform ViewBlock { View it; } view;
-layout(scalar) readonly buffer Points { VplPoint at[]; } points;
+layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) readonly buffer Froxels { uint at[]; } froxels;
 layout(scalar) readonly buffer Used { uint count; } used;
@@ -33,8 +33,8 @@ void main() {
     uint begin = (row * PARTS + part) * (1u + (params.count + PARTS - 1u) / PARTS);
     uint listed = 0u;
     for (uint i = part; i < params.count; i += PARTS) {
-        VplPoint point = points.at[i];
-        if (any(greaterThan(intensities.at[i], vec3(0.0))) && is_lit(f, point.position, octahedral_snorm16_inverse(point.normal))) {
+        VplPlace place = places.at[i];
+        if (any(greaterThan(intensities.at[i], vec3(0.0))) && is_lit(f, place.position, octahedral_snorm16_inverse(place.normal))) {
             listed++;
             lists.at[begin + listed] = i;
         }

@@ -16,7 +16,7 @@ layout(scalar, push_constant) uniform Params {
     float squared_min_distance;
 } params;
 
-layout(scalar) readonly buffer Points { VplPoint at[]; } points;
+layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) readonly buffer Areas { float at[]; } areas;
 layout(rgba16f) writeonly uniform image2D irradiance;
@@ -46,12 +46,12 @@ struct Vpl {
 
 // VPL number `index`; one that is not `there` is dark.
 Vpl vpl(uint index, bool there) {
-    VplPoint point = points.at[index];
-    vec3 facing = octahedral_snorm16_inverse(point.normal);
+    VplPlace place = places.at[index];
+    vec3 facing = octahedral_snorm16_inverse(place.normal);
     // Disks reach over their neighbours, as the kernels of a reconstruction do: as far as to the diagonal ones of a grid.
     float spread = 0.0;
     if (DISKS) spread = max(2.0 * areas.at[index], params.squared_min_distance);
-    return Vpl(point.position, facing, there ? intensities.at[index] : vec3(0.0), spread, shadow_of(index, point.position, facing));
+    return Vpl(place.position, facing, there ? intensities.at[index] : vec3(0.0), spread, shadow_of(index, place.position, facing));
 }
 
 Vpl hand_round(Vpl mine, uint lane) {

@@ -1,5 +1,6 @@
 // A VPL is seen where the map of its VPL cluster has nothing nearer (Aranha et al., section III-C): what the cluster's place sees, its VPLs see.
-#include "bounce/cluster.glsl"
+#include "bounce/vpl-cluster.glsl"
+#include "lib/basis.glsl"
 #include "lib/packing.glsl"
 #include "lib/paraboloid.glsl"
 
@@ -10,7 +11,7 @@ layout(scalar) uniform ClustersBlock {
     float bias; // widths of a texel
     int size;   // side of a map, texels
 } maps_of;
-layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) readonly buffer Clusters { VplCluster at[]; } clusters;
 layout(scalar) readonly buffer Labels { uint at[]; } labels;
 layout(r32f) readonly uniform image2DArray maps;
 
@@ -25,8 +26,8 @@ struct Shadow {
 Shadow shadow_of(uint vpl, vec3 position, vec3 facing) {
     uint label = labels.at[vpl];
     if (label == NO_CLUSTER) label = 0u;
-    Cluster cluster = clusters.at[label];
-    mat3 axes = hemisphere(octahedral_snorm16_inverse(cluster.normal));
+    VplCluster cluster = clusters.at[label];
+    mat3 axes = basis_of(octahedral_snorm16_inverse(cluster.normal));
     vec3 moved = cluster.position - position;
     return Shadow(axes[0], axes[1], moved, 0.5 / max(length(moved), 1e-12), int(label));
 }

@@ -1,5 +1,6 @@
 // A VPL is seen where its imperfect shadow map has nothing nearer (Linke 2016, section 3.3).
 #include "gather/ism-lookup.glsl"
+#include "lib/basis.glsl"
 
 struct Shadow {
     vec3 across; // the map's axes
@@ -8,7 +9,7 @@ struct Shadow {
 };
 
 Shadow shadow_of(uint vpl, vec3 position, vec3 facing) {
-    mat3 axes = hemisphere(facing);
+    mat3 axes = basis_of(facing);
     return Shadow(axes[0], axes[1], map_corner(vpl, ism.columns, ism.size));
 }
 

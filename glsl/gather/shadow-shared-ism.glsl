@@ -1,10 +1,11 @@
 // A VPL is seen where the imperfect shadow map of a neighbour has nothing nearer.
 #include "gather/ism-lookup.glsl"
+#include "lib/basis.glsl"
 #include "lib/packing.glsl"
 #include "lib/vpl.glsl"
 
 layout(scalar) readonly buffer Labels { uint at[]; } labels;
-layout(scalar) readonly buffer Proxies { VplPoint at[]; } proxies;
+layout(scalar) readonly buffer Proxies { VplPlace at[]; } proxies;
 
 struct Shadow {
     vec3 across; // the map's axes
@@ -15,8 +16,8 @@ struct Shadow {
 
 Shadow shadow_of(uint vpl, vec3 position, vec3 facing) {
     uint label = labels.at[vpl];
-    VplPoint proxy = proxies.at[label];
-    mat3 axes = hemisphere(octahedral_snorm16_inverse(proxy.normal));
+    VplPlace proxy = proxies.at[label];
+    mat3 axes = basis_of(octahedral_snorm16_inverse(proxy.normal));
     return Shadow(axes[0], axes[1], proxy.position - position, map_corner(label, ism.columns, ism.size));
 }
 

@@ -17,7 +17,7 @@ layout(scalar, push_constant) uniform Params {
     float delta;
 } params;
 
-layout(scalar) readonly buffer Points { VplPoint at[]; } points;
+layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) readonly buffer Lobes { Lobe at[]; } lobes;
 layout(scalar) readonly buffer Chances { vec2 at[]; } chances;
@@ -78,11 +78,11 @@ struct Diffuse {
 };
 
 Diffuse diffuse_vpl(uint index) {
-    VplPoint point = points.at[index];
-    vec3 facing = octahedral_snorm16_inverse(point.normal);
+    VplPlace place = places.at[index];
+    vec3 facing = octahedral_snorm16_inverse(place.normal);
     vec3 incoming = vec3(0.0);
     if (COATED) incoming = octahedral_snorm16_inverse(lobes.at[index].incoming);
-    return Diffuse(point.position, facing, intensities.at[index], incoming, chances.at[index].x, shadow_of(index, point.position, facing));
+    return Diffuse(place.position, facing, intensities.at[index], incoming, chances.at[index].x, shadow_of(index, place.position, facing));
 }
 
 void shade(inout Pixel p, Diffuse it, float visible) {
@@ -101,11 +101,11 @@ struct Glossy {
 };
 
 Glossy glossy_vpl(uint index) {
-    VplPoint point = points.at[index];
+    VplPlace place = places.at[index];
     Lobe lobe = lobes.at[index];
-    vec3 facing = octahedral_snorm16_inverse(point.normal);
-    return Glossy(point.position, facing, lobe, octahedral_snorm16_inverse(lobe.normal), octahedral_snorm16_inverse(lobe.incoming),
-                  chances.at[index].y, shadow_of(index, point.position, facing));
+    vec3 facing = octahedral_snorm16_inverse(place.normal);
+    return Glossy(place.position, facing, lobe, octahedral_snorm16_inverse(lobe.normal), octahedral_snorm16_inverse(lobe.incoming),
+                  chances.at[index].y, shadow_of(index, place.position, facing));
 }
 
 void shade(inout Pixel p, Glossy it, float visible) {

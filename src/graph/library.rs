@@ -316,4 +316,37 @@ mod tests {
         prepare(&mut library, "t.comp").unwrap();
         assert_eq!(library.get(&"t.comp".into()).constants, [("NEVER".to_owned(), 0), ("DEAD".to_owned(), 1)]);
     }
+
+    #[test]
+    fn every_shader_compiles_with_each_part_of_each_slot_and_keeps_all_its_constants() {
+        let mut library = Library::new().unwrap();
+        let entry = |path: &str| ShaderStage::ALL.iter().any(|(extension, _)| path.ends_with(&format!(".{extension}")));
+        let mut variants: BTreeSet<Variant> = library.sources.keys().filter(|path| entry(path)).map(|path| path.as_str().into()).collect();
+        let mut slots = BTreeSet::new();
+        for variant in variants.clone() {
+            for file in library.files(&variant.path, &[]).unwrap() {
+                let Some(slot) = file.slot else { continue };
+                // Parts for a slot lie beside its default: `gather/shadow-ism` beside `gather/shadow-none`.
+                let folder = file.path.split('/').next().unwrap();
+                let beside = format!("{folder}/{slot}-");
+                let parts: Vec<&str> =
+                    library.sources.keys().filter_map(|path| path.strip_suffix(".glsl").filter(|part| part.starts_with(&beside))).collect();
+                assert!(parts.len() > 1, "glsl/{}: no part fills {slot:?} but its default", variant.path);
+                for part in parts {
+                    let named = (&*slot.to_owned().leak(), &*part.to_owned().leak());
+                    variants.insert(Variant { path: variant.path.clone(), parts: vec![named] });
+                    slots.insert(named);
+                }
+            }
+        }
+        library.prepare(&variants).unwrap();
+        for variant in &variants {
+            let files = library.files(&variant.path, &variant.parts).unwrap();
+            let lines = files.iter().flat_map(|file| file.source.lines()).filter(|line| line.starts_with("layout(constant_id"));
+            let declared: BTreeSet<&str> = lines.map(|line| line.split_whitespace().nth(5).unwrap()).collect();
+            let kept: BTreeSet<&str> = library.get(variant).constants.iter().map(|(name, _)| name.as_str()).collect();
+            assert_eq!(kept, declared, "glsl/{variant}");
+        }
+        println!("{} shaders, {} parts", variants.len(), slots.len());
+    }
 }

@@ -136,7 +136,7 @@ fn without_interleaving_every_pixel_gathers_every_vpl() {
         let execution = Execution { dump: vec!["vpls/regular".to_owned()], ..Execution::default() };
         let rendered = renderer.render(&config, 0, true, &execution).unwrap();
         let floats = |name: &str| -> Vec<f32> { words(dumped(&rendered, name)).map(f32::from_bits).collect() };
-        let (points, intensities) = (floats("vpls/points"), floats("vpls/intensities"));
+        let (points, intensities) = (floats("vpls/places"), floats("vpls/intensities"));
         let picture = rendered.picture.unwrap();
         let (positions, normals) = (picture.positions(), picture.normals());
         let mut checked = 0;

@@ -86,7 +86,7 @@ pub(super) fn conservative_clusters(
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
         .reads("normal", gbuffer.normal)
-        .reads("points", vpls.points)
+        .reads("places", vpls.places)
         .reads("intensities", vpls.intensities)
         .reads("lobes", lobes)
         .reads("chances", chances)

@@ -152,7 +152,7 @@ fn per_pixel(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, visibility: Visibili
     pass.reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
         .reads("normal", gbuffer.normal)
-        .reads("points", vpls.points)
+        .reads("places", vpls.places)
         .reads("intensities", vpls.intensities)
         .reads("areas", vpls.areas)
         .writes("irradiance", irradiance)
@@ -233,7 +233,7 @@ fn froxels(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, interleave: u32) -> Fr
         .dispatch_groups([1, 1, 1]);
     g.compute("gather/light-lists")
         .reads("view", gbuffer.view)
-        .reads("points", vpls.points)
+        .reads("places", vpls.places)
         .reads("intensities", vpls.intensities)
         .reads("froxels", froxels)
         .reads("used", used)

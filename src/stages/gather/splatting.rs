@@ -35,7 +35,7 @@ pub(super) fn splatting(
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
         .reads("normal", gbuffer.normal)
-        .reads("points", vpls.points)
+        .reads("places", vpls.places)
         .reads("intensities", vpls.intensities)
         .reads("lobes", lobes)
         .reads("spheres", spheres)

@@ -80,7 +80,7 @@ pub(super) fn ranges(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, Roulette(see
     };
     g.compute("gather/ranges")
         .reads("view", gbuffer.view)
-        .reads("points", vpls.points)
+        .reads("places", vpls.places)
         .reads("intensities", vpls.intensities)
         .reads("lobes", lobes)
         .writes("spheres", ranges.spheres)
@@ -139,7 +139,7 @@ pub(super) fn tiled(
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
         .reads("normal", gbuffer.normal)
-        .reads("points", vpls.points)
+        .reads("places", vpls.places)
         .reads("intensities", vpls.intensities)
         .reads("lobes", ranges.lobes)
         .reads("spheres", ranges.spheres)
