@@ -1,5 +1,5 @@
 // Shadows by percentage-closer filtering (Reeves et al. 1987) over a window of 2 radius + 1 texels.
-#include "direct/shadow-map.glsl"
+#include "direct/in-map.glsl"
 
 uniform sampler2DArray rsm_depth;
 

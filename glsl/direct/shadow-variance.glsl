@@ -1,5 +1,5 @@
 // Shadows by variance shadow maps (Donnelly and Lauritzen 2006).
-#include "direct/shadow-map.glsl"
+#include "direct/in-map.glsl"
 
 uniform sampler2DArray moments;
 

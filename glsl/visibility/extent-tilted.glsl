@@ -1,4 +1,6 @@
 // Single pixels whose surfaces' tilts are known.
+#include "visibility/tilt.glsl"
+
 layout(r32ui) readonly uniform uimage2D tilts;
 
 void put_extent(ivec2 texel, vec2 place, inout Pulled p) {

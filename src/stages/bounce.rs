@@ -9,7 +9,7 @@ use crate::scene::device::{DeviceScene, Maps, Parts, SceneHandles};
 use crate::shader_struct;
 
 shader_struct! {
-    /// `glsl/bounce/cluster.glsl`.
+    /// `glsl/bounce/vpl-cluster.glsl`.
     pub struct Cluster {
         pub position: [f32; 3],
         /// Octahedral, two signed normalized 16-bit numbers.

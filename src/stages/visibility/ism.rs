@@ -14,7 +14,7 @@ shader_struct! {
         size: [i32; 2],
     }
 
-    /// `glsl/visibility/splat.glsl`.
+    /// `glsl/visibility/splat.geom`.
     struct SplatBlock {
         size: [i32; 2],
         columns: u32,
