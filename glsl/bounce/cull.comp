@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Which parts of the scene lie before which clusters: an instance for each of these, or for each group of so many in which there is one. What
 // lies behind a cluster's plane is not in its map.
-#include "bounce/cluster.glsl"
+#include "bounce/vpl-cluster.glsl"
 #include "bounce/limits.glsl"
 #include "lib/packing.glsl"
 #include "lib/scene.glsl"
@@ -27,7 +27,7 @@ struct Arguments {
     uint first_instance;
 };
 
-layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) readonly buffer Clusters { VplCluster at[]; } clusters;
 layout(scalar) readonly buffer Parts { PartData at[]; } parts;
 layout(scalar) buffer ArgumentsOfParts { Arguments at[]; } arguments;
 layout(scalar) writeonly buffer Layers { uint at[]; } layers; // of a part's instances: clusters, or groups of them
@@ -40,7 +40,7 @@ void main() {
     for (uint begin = params.first; begin < params.first + params.clusters; begin += GROUP) {
         bool seen = params.all != 0u;
         for (uint k = begin; k < min(begin + GROUP, params.first + params.clusters); k++) {
-            Cluster cluster = clusters.at[k];
+            VplCluster cluster = clusters.at[k];
             vec3 n = octahedral_snorm16_inverse(cluster.normal);
             // Of the box's corner that is farthest along the normal.
             float height = dot(n, middle - cluster.position) + dot(abs(n), reach);

@@ -25,7 +25,7 @@ layout(scalar, push_constant) uniform Params {
     uint layers;
 } params;
 
-layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) readonly buffer Clusters { VplCluster at[]; } clusters;
 
 in gl_PerVertex { vec4 gl_Position; } gl_in[];
 out gl_PerVertex {
@@ -36,7 +36,7 @@ out gl_PerVertex {
 void main() {
     uint layer = in_group[0] * 8u + uint(gl_InvocationID);
     if (layer >= params.layers) return;
-    Cluster cluster = clusters.at[layer];
+    VplCluster cluster = clusters.at[layer];
     vec3 local[3];
     for (int i = 0; i < 3; i++) local[i] = map_space(cluster, in_world[i]);
     float least = LEAST_HEIGHT * params.far;

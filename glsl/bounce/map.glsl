@@ -1,12 +1,13 @@
 // How a cluster's map shows the scene: paraboloid (Heidrich and Seidel 1998), its centre along the normal.
-#include "bounce/cluster.glsl"
+#include "bounce/vpl-cluster.glsl"
 #include "bounce/limits.glsl"
+#include "lib/basis.glsl"
 #include "lib/packing.glsl"
 #include "lib/paraboloid.glsl"
 
 // A world position in a cluster's space: across, up, along the normal.
-vec3 map_space(Cluster cluster, vec3 world) {
-    return (world - cluster.position) * hemisphere(octahedral_snorm16_inverse(cluster.normal));
+vec3 map_space(VplCluster cluster, vec3 world) {
+    return (world - cluster.position) * basis_of(octahedral_snorm16_inverse(cluster.normal));
 }
 
 // Clip position: w is what the projection divides by, so that edges run straight from one corner's place to the other's, however

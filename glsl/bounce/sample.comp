@@ -7,6 +7,7 @@
 #include "bounce/map.glsl"
 #include "lib/hammersley.glsl"
 #include "lib/permutation.glsl"
+#include "lib/pi.glsl"
 #include "lib/vpl.glsl"
 
 layout(local_size_x = 64) in;
@@ -18,18 +19,16 @@ layout(scalar, push_constant) uniform Params {
     float far;     // metres
 } params;
 
-layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) readonly buffer Clusters { VplCluster at[]; } clusters;
 layout(scalar) readonly buffer Starts { uint at[]; } starts; // a cluster's first VPL, and their number last
 uniform sampler2DArray distances;
 uniform sampler2DArray normals;
 uniform sampler2DArray albedos;
-layout(scalar) writeonly buffer Points { VplPoint at[]; } points;
+layout(scalar) writeonly buffer Places { VplPlace at[]; } places;
 layout(scalar) writeonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) writeonly buffer Areas { float at[]; } areas;
 layout(scalar) buffer Wasted { uint count; } wasted; // samples beside the disk
 layout(scalar) buffer Lit { uint count; } lit;
-
-const float PI = 3.14159265358979;
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
@@ -47,29 +46,29 @@ void main() {
         area = PI / float(count);
     }
 
-    VplPoint point = VplPoint(vec3(0.0), 0u);
+    VplPlace place = VplPlace(vec3(0.0), 0u);
     vec3 intensity = vec3(0.0);
     float beam = 0.0;
     float squared = dot(p, p);
     if (squared >= 1.0) {
         atomicAdd(wasted.count, 1u);
     } else {
-        Cluster cluster = clusters.at[number];
+        VplCluster cluster = clusters.at[number];
         ivec3 texel = ivec3(clamp(ivec2((p * 0.5 + 0.5) * float(params.size)), ivec2(0), ivec2(params.size - 1)), number);
         float d = texelFetch(distances, texel, 0).r;
         if (d < 1.0 && cluster.members > 0u) {
-            mat3 axes = hemisphere(octahedral_snorm16_inverse(cluster.normal));
+            mat3 axes = basis_of(octahedral_snorm16_inverse(cluster.normal));
             vec3 along = axes * paraboloid_inverse((vec2(texel.xy) + 0.5) * (2.0 / float(params.size)) - 1.0);
             d *= params.far;
-            point.position = cluster.position + along * d;
-            point.normal = octahedral_snorm16(octahedral_inverse(texelFetch(normals, texel, 0).xy));
+            place.position = cluster.position + along * d;
+            place.normal = octahedral_snorm16(octahedral_inverse(texelFetch(normals, texel, 0).xy));
             float cosine = (1.0 - squared) / (1.0 + squared), solid_angle = 4.0 * area / ((1.0 + squared) * (1.0 + squared));
             intensity = cluster.flux * (cosine * solid_angle / PI) * texelFetch(albedos, texel, 0).rgb / PI;
             // The beam's width there, which is not less than what comes from all of the cluster's places has.
             beam = solid_angle * (d * d + cluster.spread);
         }
     }
-    points.at[index] = point;
+    places.at[index] = place;
     intensities.at[index] = intensity;
     areas.at[index] = any(greaterThan(intensity, vec3(0.0))) ? beam : 0.0;
     if (any(greaterThan(intensity, vec3(0.0)))) atomicAdd(lit.count, 1u);

@@ -6,6 +6,7 @@
 #include "bounce/map.glsl"
 #include "lib/color.glsl"
 #include "lib/hammersley.glsl"
+#include "lib/pi.glsl"
 
 const uint INVOCATIONS = 256u;
 layout(local_size_x = 256) in;
@@ -17,12 +18,11 @@ layout(scalar, push_constant) uniform Params {
     int size;      // of a map
 } params;
 
-layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) readonly buffer Clusters { VplCluster at[]; } clusters;
 uniform sampler2DArray distances;
 uniform sampler2DArray albedos;
 layout(scalar) writeonly buffer Starts { uint at[]; } starts; // a cluster's first VPL, and their number last
 
-const float PI = 3.14159265358979;
 const uint SAMPLES = 4u; // of a map by an invocation
 shared float sums[INVOCATIONS];
 shared float passed[MOST_CLUSTERS];

@@ -24,7 +24,7 @@ layout(scalar, push_constant) uniform Params {
     uint layers;
 } params;
 
-layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) readonly buffer Clusters { VplCluster at[]; } clusters;
 layout(scalar) uniform MaterialBlock { Material it; } material_block;
 uniform sampler2DArray base_color_map;
 uniform sampler2DArray metallic_roughness_map;
@@ -53,7 +53,7 @@ void main() {
     if (exact > 0.5 * d && exact < 2.0 * d) d = exact;
     bool turned = dot(n, along) > 0.0;
     if (any(isnan(n))) n = -along;
-    mat3 axes = hemisphere(octahedral_snorm16_inverse(clusters.at[in_cluster].normal));
+    mat3 axes = basis_of(octahedral_snorm16_inverse(clusters.at[in_cluster].normal));
     bool lit = gl_FrontFacing || material.double_sided != 0u;
     distances = d / params.far;
     // Not what is interpolated, which would let what lies just behind a large triangle through.

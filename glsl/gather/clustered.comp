@@ -3,8 +3,59 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
-// Every pixel sees every VPL.
-#include "gather/unshadowed.glsl"
-#include "gather/clustered.glsl"
+// The gather with clustered culling (Linke 2016, section 4.6.1): each pixel runs through its froxel's light list. A subgroup takes
+// the froxels that its pixels lie in one after the other, so that it can still hand its VPLs round.
+#include "gather/froxel.glsl"
+#include "gather/per-pixel.glsl"
 
-uvec4 seen(ivec2 pixel, uint index) { return uvec4(~0u); }
+layout(constant_id = 1) const uint PARTS = 16; // of a light list, INTERLEAVE^2 or a multiple
+
+layout(scalar) readonly buffer Rows { uint at[]; } rows;
+layout(scalar) readonly buffer Lists { uint at[]; } lists;
+
+const uint NO_ROW = 0xffffffffu;
+
+// Number of the light list of the pixel's froxel.
+uint row_of(Receiver r) {
+    if (r.distance == 0.0) return NO_ROW;
+    ivec2 tile = r.pixel / FROXEL_TILE;
+    int across = (int(view.it.width) + FROXEL_TILE - 1) / FROXEL_TILE;
+    return rows.at[uint(tile.y * across + tile.x) * SLICES + slice_of(view.it, r.distance)];
+}
+
+void main() {
+    ivec2 pixel = first_pixel();
+    Quad pixels = quad_at(pixel);
+    uvec4 mine_rows = uvec4(row_of(pixels.a.at), row_of(pixels.b.at), row_of(pixels.c.at), row_of(pixels.d.at));
+
+    const uint SETS = INTERLEAVE * INTERLEAVE;
+    uint set = sample_set().y * INTERLEAVE + sample_set().x;
+    uint stride = 1u + (params.count + PARTS - 1u) / PARTS;
+    uint lanes = min(gl_SubgroupSize, 32u);
+    uvec4 left = mine_rows;
+    while (true) {
+        uint least = min(min(left.x, left.y), min(left.z, left.w));
+        uvec4 some = subgroupBallot(least != NO_ROW);
+        if (some == uvec4(0u)) break;
+        uint row = subgroupBroadcast(least, subgroupBallotFindLSB(some));
+        vec4 inside = vec4(equal(mine_rows, uvec4(row)));
+        left = mix(left, uvec4(NO_ROW), equal(left, uvec4(row)));
+        for (uint part = set; part < PARTS; part += SETS) {
+            uint begin = (row * PARTS + part) * stride;
+            uint count = lists.at[begin];
+            for (uint start = 0u; start < count; start += lanes) {
+                bool there = start + gl_SubgroupInvocationID < count;
+                uint index = lists.at[begin + 1u + min(start + gl_SubgroupInvocationID, count - 1u)];
+                Vpl mine = vpl(index, there);
+                uint listed = min(lanes, count - start);
+                for (uint lane = 0u; lane < listed; lane += 2u) {
+                    for (uint i = 0u; i < 2u; i++) {
+                        vec4 visible = inside * vec4(seen(pixel, subgroupBroadcast(index, lane + i) / SETS) & 1u);
+                        shade(pixels, hand_round(mine, lane + i), visible);
+                    }
+                }
+            }
+        }
+    }
+    store(pixels);
+}

@@ -1,10 +1,10 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Pixels sum the VPLs on their cluster's lists.
-#include "gather/unshadowed.glsl"
+// Pixels sum the VPLs on their froxel's lists.
+#include "gather/shadow-none.glsl"
 #include "gather/stochastic.glsl"
-#include "gather/shell-cluster.glsl"
+#include "gather/shell-froxel.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 6) const bool STATISTICS = false;
@@ -16,27 +16,27 @@ layout(rgba16f) writeonly uniform image2D irradiance;
 
 const uint END = 0xffffffffu;
 
-float reflect_from(inout Receiver r, vec3 light, vec3 to_light) { return 1.0; }
+float reflect_from(inout Pixel p, vec3 light, vec3 to_light) { return 1.0; }
 
 void main() {
     // Neighbouring workgroups take the sample sets of the same block of pixels.
     uvec2 set = gl_WorkGroupID.xy % INTERLEAVE, place = gl_WorkGroupID.xy / INTERLEAVE * 8u + gl_LocalInvocationID.xy;
     ivec2 pixel = ivec2(place * INTERLEAVE + set);
     if (any(greaterThanEqual(uvec2(pixel), uvec2(view.it.width, view.it.height)))) return;
-    Receiver r = receiver(pixel);
-    if (r.distance > 0.0) {
+    Pixel p = pixel_at(pixel);
+    if (p.at.distance > 0.0) {
         uvec2 tiles = ((uvec2(view.it.width, view.it.height) + INTERLEAVE - 1u) / INTERLEAVE + SHELL_TILE - 1u) / SHELL_TILE;
         uint tile = place.y / SHELL_TILE * tiles.x + place.x / SHELL_TILE, number = set.y * INTERLEAVE + set.x;
-        uvec2 head = heads.at[(number * tiles.x * tiles.y + tile) * SHELL_SLICES + shell_slice(r.distance, view.it.diagonal)];
+        uvec2 head = heads.at[(number * tiles.x * tiles.y + tile) * SHELL_SLICES + shell_slice(p.at.distance, view.it.diagonal)];
         for (uint node = head.x; node != END; node = nodes.at[node].y) {
-            r.numbers.x++;
-            shade(r, diffuse_vpl(nodes.at[node].x), 1.0);
+            p.numbers.x++;
+            shade(p, diffuse_vpl(nodes.at[node].x), 1.0);
         }
         for (uint node = head.y; node != END; node = nodes.at[node].y) {
-            r.numbers.z++;
-            shade(r, glossy_vpl(nodes.at[node].x), 1.0);
+            p.numbers.z++;
+            shade(p, glossy_vpl(nodes.at[node].x), 1.0);
         }
     }
-    imageStore(irradiance, pixel, vec4(min(r.sum * float(INTERLEAVE * INTERLEAVE), LARGEST_HALF), 1.0));
-    if (STATISTICS) imageStore(numbers, pixel, vec4(r.numbers));
+    imageStore(irradiance, pixel, vec4(min(p.sum * float(INTERLEAVE * INTERLEAVE), LARGEST_HALF), 1.0));
+    if (STATISTICS) imageStore(numbers, pixel, vec4(p.numbers));
 }

@@ -1,9 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The light lists of the used clusters: a workgroup a cluster, an invocation a part of its list, so that parts keep the VPLs'
-// order. Part p holds those of VPLs p, p + PARTS, ... that see any of the cluster's corners.
-#include "gather/cluster.glsl"
+// The light lists of the used froxels: a workgroup a froxel, an invocation a part of its list, so that parts keep the VPLs'
+// order. Part p holds those of VPLs p, p + PARTS, ... that see any of the froxel's corners.
+#include "gather/froxel.glsl"
 #include "lib/packing.glsl"
 #include "lib/vpl.glsl"
 
@@ -15,26 +15,26 @@ layout(scalar, push_constant) uniform Params {
 } params;
 
 layout(scalar) uniform ViewBlock { View it; } view;
-layout(scalar) readonly buffer Points { VplPoint at[]; } points;
+layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
-layout(scalar) readonly buffer Clusters { uint at[]; } clusters;
+layout(scalar) readonly buffer Froxels { uint at[]; } froxels;
 layout(scalar) readonly buffer Used { uint count; } used;
 layout(scalar) writeonly buffer Lists { uint at[]; } lists;
 
 void main() {
     uint row = gl_WorkGroupID.x, part = gl_LocalInvocationID.x;
     if (row >= used.count || part >= PARTS) return;
-    uint cluster = clusters.at[row];
-    uint tile = cluster / SLICES, slice = cluster % SLICES;
-    uint across = (view.it.width + uint(CLUSTER_TILE) - 1u) / uint(CLUSTER_TILE);
-    ivec2 low = ivec2(tile % across, tile / across) * CLUSTER_TILE;
+    uint froxel = froxels.at[row];
+    uint tile = froxel / SLICES, slice = froxel % SLICES;
+    uint across = (view.it.width + uint(FROXEL_TILE) - 1u) / uint(FROXEL_TILE);
+    ivec2 low = ivec2(tile % across, tile / across) * FROXEL_TILE;
     float end = slice + 1u < SLICES ? slice_begin(view.it, slice + 1u) : 1e3 * view.it.diagonal;
-    Frustum f = frustum(view.it, low, low + CLUSTER_TILE, slice_begin(view.it, slice), end);
+    Frustum f = frustum(view.it, low, low + FROXEL_TILE, slice_begin(view.it, slice), end);
     uint begin = (row * PARTS + part) * (1u + (params.count + PARTS - 1u) / PARTS);
     uint listed = 0u;
     for (uint i = part; i < params.count; i += PARTS) {
-        VplPoint point = points.at[i];
-        if (any(greaterThan(intensities.at[i], vec3(0.0))) && is_lit(f, point.position, octahedral_snorm16_inverse(point.normal))) {
+        VplPlace place = places.at[i];
+        if (any(greaterThan(intensities.at[i], vec3(0.0))) && is_lit(f, place.position, octahedral_snorm16_inverse(place.normal))) {
             listed++;
             lists.at[begin + listed] = i;
         }

@@ -22,7 +22,7 @@ layout(scalar, push_constant) uniform Params {
 } params;
 
 layout(scalar) uniform ViewBlock { View it; } view;
-layout(scalar) readonly buffer Points { VplPoint at[]; } points;
+layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) readonly buffer Lobes { Lobe at[]; } lobes;
 layout(scalar) writeonly buffer Spheres { vec4 at[]; } spheres; // centre in the view's space, and radius; 0 where nothing is lit
@@ -36,10 +36,10 @@ void main() {
     vec2 xi = CLAMPED ? vec2(0.999999) : (vec2(pcg4d(uvec4(index, 7u, 0u, params.seed)).xy >> 9u) + 0.5) / 8388608.0;
     chances.at[index] = xi;
 
-    VplPoint point = points.at[index];
+    VplPlace place = places.at[index];
     mat3 to_view = transpose(mat3(normalize(view.it.right), normalize(view.it.up), view.it.forward));
-    vec3 q = to_view * (point.position - view.it.position);
-    vec3 facing = to_view * octahedral_snorm16_inverse(point.normal);
+    vec3 q = to_view * (place.position - view.it.position);
+    vec3 facing = to_view * octahedral_snorm16_inverse(place.normal);
     spheres.at[index] = diffuse_bounds(q, facing, intensities.at[index], params.delta * xi.x);
 
     if (LOBES) {

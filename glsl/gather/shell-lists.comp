@@ -1,10 +1,10 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Linked lists of the VPLs whose bounds reach into each cluster: a workgroup a tile, an invocation a slice, which walks the set's VPLs in order, so
+// Linked lists of the VPLs whose bounds reach into each froxel: a workgroup a tile, an invocation a slice, which walks the set's VPLs in order, so
 // that lists keep it.
 #include "gather/shell.glsl"
-#include "gather/shell-cluster.glsl"
+#include "gather/shell-froxel.glsl"
 
 layout(local_size_x = 32) in;
 layout(constant_id = 3) const bool DIFFUSE = true;
@@ -17,7 +17,7 @@ layout(scalar, push_constant) uniform Params {
 
 layout(scalar) readonly buffer DiffuseShells { uvec2 at[]; } diffuse_shells;
 layout(scalar) readonly buffer GlossyShells { uvec2 at[]; } glossy_shells;
-layout(scalar) writeonly buffer Heads { uvec2 at[]; } heads; // of a cluster's two lists
+layout(scalar) writeonly buffer Heads { uvec2 at[]; } heads; // of a froxel's two lists
 layout(scalar) writeonly buffer Nodes { uvec2 at[]; } nodes;           // VPL, and the next node
 layout(scalar) buffer Used { uint count; } used;
 layout(scalar) buffer Lost { uint count; } lost;

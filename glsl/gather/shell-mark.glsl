@@ -1,6 +1,8 @@
 // Marks the slices of a tile through which a triangle of a VPL's bounds may run.
 #include "gather/shell-triangle.glsl"
 
+layout(constant_id = 1) const bool GLOSSY = false; // which VPLs' bounds are drawn
+
 layout(scalar) buffer DiffuseShells { uvec2 at[]; } diffuse_shells; // of a VPL and a tile of its set: slices of near and of far sides
 layout(scalar) buffer GlossyShells { uvec2 at[]; } glossy_shells;
 

@@ -1,5 +1,5 @@
 // A triangle of a VPL's bounds as the tiles of its set's picture see it.
-#include "gather/shell-cluster.glsl"
+#include "gather/shell-froxel.glsl"
 
 struct ShellTriangle {
     vec3 plane;  // (x, y, 1), a place in tiles of all pictures, times this is one over the distance; zeros if it is seen from its edge

@@ -2,6 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Bounding geometry of a VPL for a device that rasterizes conservatively. Each corner knows all of its triangle.
+#include "gather/bounds.glsl"
 #include "gather/shell.glsl"
 #include "gather/shell-triangle.glsl"
 

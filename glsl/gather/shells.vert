@@ -2,6 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Bounding geometry of a VPL, in the view's space.
+#include "gather/bounds.glsl"
 #include "gather/shell.glsl"
 
 layout(location = 0) in vec3 position; // around the unit sphere

@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // What a VPL adds to a pixel that its bounds cover.
-#include "gather/unshadowed.glsl"
+#include "gather/shadow-none.glsl"
 #include "gather/stochastic.glsl"
 
 layout(constant_id = 1) const bool GLOSSY = false;
@@ -10,14 +10,14 @@ layout(constant_id = 1) const bool GLOSSY = false;
 layout(location = 0) flat in uint in_vpl;
 layout(location = 0) out vec4 sum;
 
-float reflect_from(inout Receiver r, vec3 light, vec3 to_light) { return 1.0; }
+float reflect_from(inout Pixel p, vec3 light, vec3 to_light) { return 1.0; }
 
 void main() {
     uvec2 size = (uvec2(view.it.width, view.it.height) + INTERLEAVE - 1u) / INTERLEAVE, place = uvec2(gl_FragCoord.xy);
-    Receiver r = receiver(ivec2(place % size * INTERLEAVE + place / size));
+    Pixel p = pixel_at(ivec2(place % size * INTERLEAVE + place / size));
     sum = vec4(0.0);
-    if (r.distance <= 0.0) return;
-    if (GLOSSY) shade(r, glossy_vpl(in_vpl), 1.0);
-    else shade(r, diffuse_vpl(in_vpl), 1.0);
-    sum.rgb = r.sum;
+    if (p.at.distance <= 0.0) return;
+    if (GLOSSY) shade(p, glossy_vpl(in_vpl), 1.0);
+    else shade(p, diffuse_vpl(in_vpl), 1.0);
+    sum.rgb = p.sum;
 }

@@ -2,6 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Bounding geometry, an instance a VPL (Dachsbacher and Stamminger 2006), in the picture of its sample set.
+#include "gather/bounds.glsl"
 #include "gather/shell.glsl"
 
 layout(location = 0) in vec3 position; // around the unit sphere

@@ -3,8 +3,255 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
-// Every pixel sees every VPL.
-#include "gather/unshadowed.glsl"
-#include "gather/stochastic-tiled.glsl"
+// Stochastic light culling (Tokuyoshi and Harada 2017): a VPL's light at a pixel counts with the probability p that it is worth, and then
+// 1 / p times, by one random number a VPL, so that what bounds its range culls it for whole tiles. A tile is 16 x 16 pixels of one sample
+// set, halved at the middle of its depth (Stewart 2015). The lists are bits in shared memory, in the VPLs' order.
+#include "part/shadow=gather/shadow-none"
+#include "gather/stochastic.glsl"
+#include "lib/range.glsl"
 
-uvec4 seen(ivec2 pixel, uint index) { return uvec4(~0u); }
+layout(local_size_x = 8, local_size_y = 8) in; // of 2 x 2 pixels of the set each
+layout(constant_id = 3) const bool DIFFUSE = true;
+layout(constant_id = 4) const bool LOBES = false;
+layout(constant_id = 5) const bool CULL = true;
+layout(constant_id = 6) const bool STATISTICS = false;
+layout(constant_id = 7) const bool GLOSSY_RECEIVER = false;
+layout(constant_id = 8) const bool GLOSSY_DIELECTRIC = false;
+
+layout(scalar) readonly buffer Spheres { vec4 at[]; } spheres;
+layout(scalar) readonly buffer Spheroids { Spheroid at[]; } spheroids;
+layout(rgba32f) writeonly uniform image2D numbers; // VPLs on the pixel's list and VPLs that count; of diffuse ones, then of lobes
+layout(rgba16f) writeonly uniform image2D irradiance;
+uniform sampler2D albedo;
+uniform sampler2D metallic_roughness;
+layout(rgba16f) writeonly uniform image2D reflection; // radiance that the pixels' own gloss reflects to the eye
+
+// By how much squared distances may be over: lobes of alpha 0.001 round to ends of ranges 1.6 % outside of their spheroids.
+const float ALLOWANCE = 1.05;
+const uint TILE = 16u;
+const uint WORDS = 32u; // of a list: 1024 VPLs at a time
+const uint INVOCATIONS = 64u;
+
+#include "part/seen=gather/seen-all"
+
+// The surface is looked up anew for each light, since most are never reflected so.
+float reflect_from(inout Pixel p, vec3 light, vec3 to_light) {
+    float left = 1.0;
+    if (GLOSSY_RECEIVER) {
+        vec3 base = texelFetch(albedo, p.at.pixel, 0).rgb;
+        vec2 mr = texelFetch(metallic_roughness, p.at.pixel, 0).rg;
+        vec3 f0 = mr.x * base;
+        float f90 = mr.x;
+        if (GLOSSY_DIELECTRIC) {
+            f0 += (1.0 - mr.x) * 0.04;
+            f90 = 1.0;
+        }
+        if (f90 > 0.0) {
+            vec3 v = normalize(view.it.position - p.at.position), h = normalize(to_light + v);
+            float nv = max(dot(p.at.normal, v), 1e-4);
+            if (GLOSSY_DIELECTRIC && mr.x < 1.0) left = 1.0 - coat_fresnel(dot(v, h));
+            p.reflected += light * lobe_fresnel(f0, f90, dot(v, h)) *
+                           ggx(max(mr.y * mr.y, 1e-3), max(dot(p.at.normal, h), 0.0), max(dot(p.at.normal, to_light), 0.0), nv);
+        }
+    }
+    return left;
+}
+
+const uint FARTHEST = 0x7f800000u; // bits of infinity
+
+shared uint tile_low; // bits of distances, which are in their order
+shared uint tile_high;
+shared uint near_low;
+shared uint near_high; // of the nearer half
+shared uint far_low;
+shared uint far_high;
+shared uint lists[4][WORDS]; // diffuse near and far, lobes near and far
+shared uint filled[4];       // which of their words have bits
+
+// What the tile's pixels of one half span, in the view's space: [low, high] in tangents to the sides, and in distance.
+struct Part {
+    vec3 low;
+    vec3 high;
+};
+
+// Square of the distance from a point to the box around a part that a matrix of rows row0, row1, (0, 0, depth) has taken elsewhere.
+float squared_distance(Part part, vec3 row0, vec3 row1, float depth, vec3 point) {
+    vec3 low, high;
+    vec2 a = row0.xy * part.low.xy, b = row0.xy * part.high.xy;
+    float least = row0.z + min(a.x, b.x) + min(a.y, b.y), most = row0.z + max(a.x, b.x) + max(a.y, b.y);
+    low.x = min(least * part.low.z, least * part.high.z);
+    high.x = max(most * part.low.z, most * part.high.z);
+    a = row1.xy * part.low.xy;
+    b = row1.xy * part.high.xy;
+    least = row1.z + min(a.x, b.x) + min(a.y, b.y);
+    most = row1.z + max(a.x, b.x) + max(a.y, b.y);
+    low.y = min(least * part.low.z, least * part.high.z);
+    high.y = max(most * part.low.z, most * part.high.z);
+    low.z = depth * part.low.z;
+    high.z = depth * part.high.z;
+    // Rounding moves both by far less than this: here, and in the world, far from whose origin places are coarse.
+    vec3 slack = 2e-6 * max(max(abs(low), abs(high)), abs(point)) +
+                 4e-7 * (largest(abs(view.it.position)) + view.it.diagonal) * vec3(dot(abs(row0), vec3(1.0)), dot(abs(row1), vec3(1.0)), depth);
+    vec3 off = max(max(low - slack - point, point - high - slack), 0.0);
+    return dot(off, off);
+}
+
+bool meets_sphere(Part part, vec4 sphere) {
+    return part.low.z <= part.high.z && sphere.w > 0.0 &&
+           squared_distance(part, vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), 1.0, sphere.xyz) <= sphere.w * sphere.w * ALLOWANCE;
+}
+
+bool meets_spheroid(Part part, Spheroid it) {
+    return part.low.z <= part.high.z && it.depth != 0.0 && squared_distance(part, it.row0, it.row1, it.depth, it.centre) <= ALLOWANCE;
+}
+
+void store(Pixel p) {
+    if (!in_picture(p.at.pixel)) return;
+    imageStore(irradiance, p.at.pixel, vec4(min(p.sum * float(INTERLEAVE * INTERLEAVE), LARGEST_HALF), 1.0));
+    if (GLOSSY_RECEIVER) imageStore(reflection, p.at.pixel, vec4(min(p.reflected * float(INTERLEAVE * INTERLEAVE), LARGEST_HALF), 1.0));
+    if (STATISTICS) imageStore(numbers, p.at.pixel, vec4(p.numbers));
+}
+
+#include "gather/quad.glsl"
+
+void shade(inout Quad q, Diffuse it, vec4 visible) {
+    shade(q.a, it, visible.x);
+    shade(q.b, it, visible.y);
+    shade(q.c, it, visible.z);
+    shade(q.d, it, visible.w);
+}
+
+void shade(inout Quad q, Glossy it, vec4 visible) {
+    shade(q.a, it, visible.x);
+    shade(q.b, it, visible.y);
+    shade(q.c, it, visible.z);
+    shade(q.d, it, visible.w);
+}
+
+// Distances as bits, which are in their order; those that do not count widen nothing.
+uint least(vec4 distances, bvec4 counts) {
+    vec4 far_off = mix(vec4(uintBitsToFloat(FARTHEST)), distances, counts);
+    return floatBitsToUint(min(min(far_off.x, far_off.y), min(far_off.z, far_off.w)));
+}
+
+uint most(vec4 distances, bvec4 counts) {
+    vec4 at_eye = mix(vec4(0.0), distances, counts);
+    return floatBitsToUint(max(max(at_eye.x, at_eye.y), max(at_eye.z, at_eye.w)));
+}
+
+// Counts the VPLs of a word of the pixel's lists.
+void count_listed(inout Pixel p, uint word) {
+    uint list = uint(p.far);
+    p.numbers.xz += uvec2(bitCount(lists[list][word]), bitCount(lists[list + 2u][word]));
+}
+
+// Where one is on the way through a list: of the tile's halves together that the subgroup has pixels in.
+struct Cursor {
+    uint words; // those with VPLs that are still to come
+    uint word;
+    uint bits;  // VPLs that are left of it
+};
+
+Cursor beginning(uint list, bvec2 halves) {
+    return Cursor((halves.x ? filled[list] : 0u) | (halves.y ? filled[list + 1u] : 0u), 0u, 0u);
+}
+
+bool has_more(Cursor it) { return (it.words | it.bits) != 0u; }
+
+// The next VPL's number in the list. No loop passes empty words: llvmpipe runs a loop's body once even where its condition fails at once, and
+// ends all loops of an invocation together after 65,535 turns.
+uint next(inout Cursor it, uint list, bvec2 halves) {
+    if (it.bits == 0u) {
+        it.word = uint(findLSB(it.words));
+        it.words &= it.words - 1u;
+        it.bits = (halves.x ? lists[list][it.word] : 0u) | (halves.y ? lists[list + 1u][it.word] : 0u);
+    }
+    uint bit = uint(findLSB(it.bits));
+    it.bits &= it.bits - 1u;
+    return it.word * 32u + bit;
+}
+
+void put(uint list, uint place) {
+    atomicOr(lists[list][place / 32u], 1u << (place % 32u));
+    atomicOr(filled[list], 1u << (place / 32u));
+}
+
+void main() {
+    const uint N = INTERLEAVE, SETS = INTERLEAVE * INTERLEAVE;
+    uint me = gl_LocalInvocationIndex;
+    // Neighbouring workgroups take the sample sets of the same block of pixels.
+    uvec2 set = gl_WorkGroupID.xy % N;
+    ivec2 corner = ivec2(gl_WorkGroupID.xy / N * TILE * N + set);
+    ivec2 pixel = corner + ivec2(gl_LocalInvocationID.xy * 2u * N);
+    Quad pixels = quad_at(pixel);
+
+    if (me == 0u) {
+        tile_low = near_low = far_low = FARTHEST;
+        tile_high = near_high = far_high = 0u;
+    }
+    barrier();
+    vec4 distances = distances_of(pixels);
+    bvec4 there = greaterThan(distances, vec4(0.0));
+    atomicMin(tile_low, least(distances, there));
+    atomicMax(tile_high, most(distances, there));
+    barrier();
+    float middle = 0.5 * (uintBitsToFloat(tile_low) + uintBitsToFloat(tile_high));
+    bvec4 is_far = greaterThan(distances, vec4(middle)), is_near = mix(bvec4(false), lessThanEqual(distances, vec4(middle)), there);
+    atomicMin(near_low, least(distances, is_near));
+    atomicMax(near_high, most(distances, is_near));
+    atomicMin(far_low, least(distances, is_far));
+    atomicMax(far_high, most(distances, is_far));
+    barrier();
+    pixels.a.far = is_far.x;
+    pixels.b.far = is_far.y;
+    pixels.c.far = is_far.z;
+    pixels.d.far = is_far.w;
+    bvec2 halves = bvec2(subgroupBallot(any(is_near)) != uvec4(0u), subgroupBallot(any(is_far)) != uvec4(0u));
+
+    vec2 scale = 2.0 / vec2(view.it.width, view.it.height), slope = vec2(length(view.it.right), -length(view.it.up));
+    vec2 begin = ((vec2(corner) + 0.5) * scale - 1.0) * slope, end = ((vec2(corner + int((TILE - 1u) * N)) + 0.5) * scale - 1.0) * slope;
+    vec2 low = min(begin, end), high = max(begin, end);
+    Part near = Part(vec3(low, uintBitsToFloat(near_low)), vec3(high, uintBitsToFloat(near_high)));
+    Part far = Part(vec3(low, uintBitsToFloat(far_low)), vec3(high, uintBitsToFloat(far_high)));
+
+    uint first = set.y * N + set.x;
+    uint count = first < params.count ? (params.count - first + SETS - 1u) / SETS : 0u;
+    for (uint start = 0u; start < count; start += WORDS * 32u) {
+        barrier();
+        for (uint i = me; i < 4u * WORDS; i += INVOCATIONS) lists[i / WORDS][i % WORDS] = 0u;
+        if (me < 4u) filled[me] = 0u;
+        barrier();
+        for (uint i = me; i < WORDS * 32u && start + i < count; i += INVOCATIONS) {
+            uint index = first + (start + i) * SETS;
+            if (DIFFUSE) {
+                vec4 sphere = spheres.at[index];
+                if (CULL ? meets_sphere(near, sphere) : sphere.w > 0.0) put(0u, i);
+                if (CULL ? meets_sphere(far, sphere) : sphere.w > 0.0) put(1u, i);
+            }
+            if (LOBES) {
+                Spheroid it = spheroids.at[index];
+                if (CULL ? meets_spheroid(near, it) : it.depth != 0.0) put(2u, i);
+                if (CULL ? meets_spheroid(far, it) : it.depth != 0.0) put(3u, i);
+            }
+        }
+        barrier();
+        uint words = min(WORDS, (count - start + 31u) / 32u);
+        for (uint word = 0u; STATISTICS && word < words; word++) {
+            count_listed(pixels.a, word);
+            count_listed(pixels.b, word);
+            count_listed(pixels.c, word);
+            count_listed(pixels.d, word);
+        }
+        Cursor cursor = beginning(0u, halves);
+        while (DIFFUSE && has_more(cursor)) {
+            uint place = start + next(cursor, 0u, halves), index = first + place * SETS;
+            shade(pixels, diffuse_vpl(index), vec4((seen(pixel, place & ~31u) >> (place % 32u)) & 1u));
+        }
+        cursor = beginning(2u, halves);
+        while (LOBES && has_more(cursor)) {
+            uint place = start + next(cursor, 2u, halves), index = first + place * SETS;
+            shade(pixels, glossy_vpl(index), vec4((seen(pixel, place & ~31u) >> (place % 32u)) & 1u));
+        }
+    }
+    store(pixels);
+}

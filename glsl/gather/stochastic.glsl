@@ -1,11 +1,11 @@
-// A VPL's light at a pixel, by chance (Tokuyoshi and Harada 2017, section 3): what tiles, splats and clusters of stochastic light culling
-// share. Whoever includes it defines Shadow and what gather/per-pixel.glsl asks for of it, and
-//     float reflect_from(inout Receiver r, vec3 light, vec3 to_light);
+// A VPL's light at a pixel, by chance (Tokuyoshi and Harada 2017, section 3): what tiles, splats and froxels of stochastic light culling
+// share. Whoever includes it has a part for "shadow", and defines
+//     float reflect_from(inout Pixel p, vec3 light, vec3 to_light);
 // what a receiver's own gloss makes of irradiance that comes from a direction, and the share that it leaves.
+#include "gbuffer/receiver.glsl"
 #include "lib/lobe.glsl"
 #include "lib/color.glsl"
 #include "lib/packing.glsl"
-#include "lib/view.glsl"
 #include "lib/vpl.glsl"
 
 layout(constant_id = 0) const uint INTERLEAVE = 1;
@@ -17,42 +17,22 @@ layout(scalar, push_constant) uniform Params {
     float delta;
 } params;
 
-layout(scalar) uniform ViewBlock { View it; } view;
-uniform sampler2D depth;
-uniform sampler2D normal;
-layout(scalar) readonly buffer Points { VplPoint at[]; } points;
+layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) readonly buffer Lobes { Lobe at[]; } lobes;
 layout(scalar) readonly buffer Chances { vec2 at[]; } chances;
 
-Shadow shadow_of(uint vpl, vec3 position, vec3 facing);
-float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float to);
-
-struct Receiver {
-    ivec2 pixel;
-    vec3 position;
-    vec3 normal;
-    vec3 sum;
+struct Pixel {
+    Receiver at;
+    vec3 sum;       // irradiance of the VPLs so far, W/m^2
     vec3 reflected; // radiance to the eye, beside what the diffuse part makes of the sum
-    float distance; // along the view's axis; 0 where there is no surface
     bool far;       // in the farther half
     uvec4 numbers;  // for the statistics
 };
 
-Receiver receiver(ivec2 pixel) {
-    Receiver r = Receiver(pixel, vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, false, uvec4(0u));
-    if (all(lessThan(uvec2(pixel), uvec2(view.it.width, view.it.height)))) {
-        float z = texelFetch(depth, pixel, 0).r;
-        if (z > 0.0) {
-            r.position = view_position(view.it, pixel, z);
-            r.normal = octahedral_inverse(texelFetch(normal, pixel, 0).xy);
-            r.distance = view.it.near / z;
-        }
-    }
-    return r;
-}
+Pixel pixel_at(ivec2 place) { return Pixel(receiver(place), vec3(0.0), vec3(0.0), false, uvec4(0u)); }
 
-float reflect_from(inout Receiver r, vec3 light, vec3 to_light);
+float reflect_from(inout Pixel p, vec3 light, vec3 to_light);
 
 // Equations 2 and 3: what a VPL adds, from its irradiance on a surface that faces it.
 vec3 by_chance(vec3 facing_irradiance, float xi, inout uint number) {
@@ -62,29 +42,29 @@ vec3 by_chance(vec3 facing_irradiance, float xi, inout uint number) {
     return facing_irradiance * max(params.delta / most, 1.0);
 }
 
-void add(inout Receiver r, vec3 arrives, vec3 way, float squared, float inverse, float from, float to, Shadow shadow, float visible) {
+void add(inout Pixel p, vec3 arrives, vec3 way, float squared, float inverse, float from, float to, Shadow shadow, float visible) {
     if (largest(arrives) <= 0.0 || to <= 0.0) return;
-    vec3 light = arrives * (to * inverse * visible * lit(shadow, r.normal, way, squared, from, to));
-    r.sum += light * reflect_from(r, light, way * inverse);
+    vec3 light = arrives * (to * inverse * visible * lit(shadow, p.at.normal, way, squared, from, to));
+    p.sum += light * reflect_from(p, light, way * inverse);
 }
 
-void shade_diffuse(inout Receiver r, vec3 position, vec3 facing, vec3 intensity, vec3 incoming, float xi, Shadow shadow, float visible) {
-    vec3 way = position - r.position;
+void shade_diffuse(inout Pixel p, vec3 position, vec3 facing, vec3 intensity, vec3 incoming, float xi, Shadow shadow, float visible) {
+    vec3 way = position - p.at.position;
     float squared = dot(way, way), inverse = inversesqrt(max(squared, 1e-20));
-    float from = max(-dot(facing, way), 0.0), to = max(dot(r.normal, way), 0.0);
-    vec3 arrives = by_chance(intensity * (from * inverse / max(max(squared, params.squared_min_distance), 1e-20)), xi, r.numbers.y);
+    float from = max(-dot(facing, way), 0.0), to = max(dot(p.at.normal, way), 0.0);
+    vec3 arrives = by_chance(intensity * (from * inverse / max(max(squared, params.squared_min_distance), 1e-20)), xi, p.numbers.y);
     if (COATED && largest(arrives) > 0.0) arrives *= 1.0 - coat_fresnel(dot(incoming, normalize(incoming - way * inverse)));
-    add(r, arrives, way, squared, inverse, from, to, shadow, visible);
+    add(p, arrives, way, squared, inverse, from, to, shadow, visible);
 }
 
-void shade_lobe(inout Receiver r, vec3 position, vec3 facing, Lobe lobe, vec3 n, vec3 wi, float xi, Shadow shadow, float visible) {
-    vec3 way = position - r.position;
+void shade_lobe(inout Pixel p, vec3 position, vec3 facing, Lobe lobe, vec3 n, vec3 wi, float xi, Shadow shadow, float visible) {
+    vec3 way = position - p.at.position;
     float squared = dot(way, way), inverse = inversesqrt(max(squared, 1e-20));
-    float from = -dot(facing, way), to = max(dot(r.normal, way), 0.0);
+    float from = -dot(facing, way), to = max(dot(p.at.normal, way), 0.0);
     if (from <= 0.0) return;
     vec3 intensity = lobe_intensity(lobe.flux, lobe.f0, lobe.f90, lobe.alpha, n, wi, way * -inverse);
-    vec3 arrives = by_chance(intensity / max(max(squared, params.squared_min_distance), 1e-20), xi, r.numbers.w);
-    add(r, arrives, way, squared, inverse, from, to, shadow, visible);
+    vec3 arrives = by_chance(intensity / max(max(squared, params.squared_min_distance), 1e-20), xi, p.numbers.w);
+    add(p, arrives, way, squared, inverse, from, to, shadow, visible);
 }
 
 // VPL number `index` as a diffuse one, ready to shine.
@@ -98,15 +78,15 @@ struct Diffuse {
 };
 
 Diffuse diffuse_vpl(uint index) {
-    VplPoint point = points.at[index];
-    vec3 facing = octahedral_snorm16_inverse(point.normal);
+    VplPlace place = places.at[index];
+    vec3 facing = octahedral_snorm16_inverse(place.normal);
     vec3 incoming = vec3(0.0);
     if (COATED) incoming = octahedral_snorm16_inverse(lobes.at[index].incoming);
-    return Diffuse(point.position, facing, intensities.at[index], incoming, chances.at[index].x, shadow_of(index, point.position, facing));
+    return Diffuse(place.position, facing, intensities.at[index], incoming, chances.at[index].x, shadow_of(index, place.position, facing));
 }
 
-void shade(inout Receiver r, Diffuse it, float visible) {
-    shade_diffuse(r, it.position, it.facing, it.intensity, it.incoming, it.xi, it.shadow, visible);
+void shade(inout Pixel p, Diffuse it, float visible) {
+    shade_diffuse(p, it.position, it.facing, it.intensity, it.incoming, it.xi, it.shadow, visible);
 }
 
 // And as a glossy one.
@@ -121,13 +101,13 @@ struct Glossy {
 };
 
 Glossy glossy_vpl(uint index) {
-    VplPoint point = points.at[index];
+    VplPlace place = places.at[index];
     Lobe lobe = lobes.at[index];
-    vec3 facing = octahedral_snorm16_inverse(point.normal);
-    return Glossy(point.position, facing, lobe, octahedral_snorm16_inverse(lobe.normal), octahedral_snorm16_inverse(lobe.incoming),
-                  chances.at[index].y, shadow_of(index, point.position, facing));
+    vec3 facing = octahedral_snorm16_inverse(place.normal);
+    return Glossy(place.position, facing, lobe, octahedral_snorm16_inverse(lobe.normal), octahedral_snorm16_inverse(lobe.incoming),
+                  chances.at[index].y, shadow_of(index, place.position, facing));
 }
 
-void shade(inout Receiver r, Glossy it, float visible) {
-    shade_lobe(r, it.position, it.facing, it.lobe, it.normal, it.incoming, it.xi, it.shadow, visible);
+void shade(inout Pixel p, Glossy it, float visible) {
+    shade_lobe(p, it.position, it.facing, it.lobe, it.normal, it.incoming, it.xi, it.shadow, visible);
 }

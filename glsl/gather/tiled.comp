@@ -3,8 +3,51 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
-// Every pixel sees every VPL.
-#include "gather/unshadowed.glsl"
-#include "gather/tiled.glsl"
+// The gather with tiled culling (Linke 2016, section 4.6.2): VPLs that see no part of what the workgroup's pixels span are left out.
+// The light list is the subgroup's vote on the VPLs that it has just fetched, so it keeps their order, and so every sum.
+#include "gather/froxel.glsl"
+#include "gather/per-pixel.glsl"
 
-uvec4 seen(ivec2 pixel, uint index) { return uvec4(~0u); }
+shared uint nearest; // bits of distances, which are in their order
+shared uint farthest;
+
+void main() {
+    ivec2 pixel = first_pixel();
+    Quad pixels = quad_at(pixel);
+
+    if (gl_LocalInvocationIndex == 0u) {
+        nearest = 0x7f800000u;
+        farthest = 0u;
+    }
+    barrier();
+    vec4 distances = distances_of(pixels);
+    vec4 least = mix(distances, vec4(1e30), equal(distances, vec4(0.0)));
+    atomicMin(nearest, floatBitsToUint(min(min(least.x, least.y), min(least.z, least.w))));
+    atomicMax(farthest, floatBitsToUint(max(max(distances.x, distances.y), max(distances.z, distances.w))));
+    barrier();
+    Frustum tile = frustum(view.it, block_corner(gl_WorkGroupID.xy), block_corner(gl_WorkGroupID.xy + INTERLEAVE),
+                           uintBitsToFloat(nearest), uintBitsToFloat(farthest));
+
+    const uint SETS = INTERLEAVE * INTERLEAVE;
+    uint first = sample_set().y * INTERLEAVE + sample_set().x;
+    uint count = first < params.count ? (params.count - first + SETS - 1u) / SETS : 0u;
+    uint lanes = min(gl_SubgroupSize, 32u);
+    for (uint start = 0u; start < count; start += lanes) {
+        bool there = start + gl_SubgroupInvocationID < count && gl_SubgroupInvocationID < lanes;
+        Vpl mine = vpl(first + min(start + gl_SubgroupInvocationID, count - 1u) * SETS, there);
+        uint list = subgroupBallot(there && any(greaterThan(mine.intensity, vec3(0.0))) && is_lit(tile, mine.position, mine.facing)).x;
+        uvec4 all_seen = seen(pixel, start);
+        // Two at a time: llvmpipe ends all loops of an invocation together after 65,535 turns.
+        while (list != 0u) {
+            uint lane = uint(findLSB(list));
+            list &= list - 1u;
+            uvec4 see = all_seen;
+            shade_by(pixels, mine, lane, see);
+            see = list != 0u ? all_seen : uvec4(0u);
+            lane = list != 0u ? uint(findLSB(list)) : lane;
+            list &= list - 1u;
+            shade_by(pixels, mine, lane, see);
+        }
+    }
+    store(pixels);
+}

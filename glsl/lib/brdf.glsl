@@ -1,8 +1,7 @@
 #ifndef BRDF_GLSL
 #define BRDF_GLSL
 // Reflection of surfaces: Lambert, and GGX with the height-correlated Smith term (Heitz 2014). See the README's radiometry.
-
-const float PI = 3.14159265358979;
+#include "lib/pi.glsl"
 
 vec3 schlick(vec3 f0, float cosine) {
     float m = 1.0 - clamp(cosine, 0.0, 1.0);

@@ -1,14 +1,6 @@
 #ifndef PARABOLOID_GLSL
 #define PARABOLOID_GLSL
-// The paraboloid projection of a hemisphere to the unit disk, and what an imperfect shadow map's texels hold.
-
-// An orthonormal basis whose last axis is n (Duff et al. 2017).
-mat3 hemisphere(vec3 n) {
-    float s = n.z >= 0.0 ? 1.0 : -1.0;
-    float a = -1.0 / (s + n.z);
-    float b = n.x * n.y * a;
-    return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3(b, s + n.y * n.y * a, -n.y), n);
-}
+// The paraboloid projection of a hemisphere to the unit disk (Heidrich and Seidel 1998).
 
 // A unit direction of the hemisphere z >= 0.
 vec2 paraboloid(vec3 w) { return w.xy / (1.0 + w.z); }

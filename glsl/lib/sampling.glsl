@@ -1,11 +1,5 @@
 // Directions drawn from a surface's reflection, and how likely they are. Needs lib/brdf.glsl.
-
-// Two axes across a unit normal (Duff et al. 2017).
-mat3 frame_of(vec3 n) {
-    float s = n.z >= 0.0 ? 1.0 : -1.0;
-    float a = -1.0 / (s + n.z), b = n.x * n.y * a;
-    return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3(b, s + n.y * n.y * a, -n.y), n);
-}
+#include "lib/basis.glsl"
 
 // Around z, as likely as its cosine.
 vec3 sample_cosine(vec2 u) {
@@ -50,7 +44,7 @@ float brdf_density(float metallic, float roughness, bool glossy_dielectric, vec3
 // A direction that light may come from, drawn from the BRDF's lobes; u.z chooses the lobe. It may lie below the surface, where the
 // density is 0.
 vec3 sample_brdf(vec3 u, float metallic, float roughness, bool glossy_dielectric, vec3 n, vec3 v) {
-    mat3 frame = frame_of(n);
+    mat3 frame = basis_of(n);
     vec3 l = frame * sample_cosine(u.xy);
     float glossy = glossy_share(metallic, glossy_dielectric);
     if (glossy > 0.0 && u.z < glossy) {

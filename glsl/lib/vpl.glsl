@@ -1,7 +1,7 @@
 #ifndef VPL_GLSL
 #define VPL_GLSL
-// A virtual point light: where it is; its radiant intensity along the normal lies in a buffer of its own.
-struct VplPoint {
+// Where a virtual point light is. Its radiant intensity along the normal lies in a buffer of its own.
+struct VplPlace {
     vec3 position;
     uint normal; // octahedral_snorm16
 };

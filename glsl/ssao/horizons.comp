@@ -6,6 +6,7 @@
 // a direction counts the less the farther it is: 1 - d^2 / radius^2. Pixels of a
 // 4 x 4 pattern take 16 different slices. Stored are what is seen and what would be if nothing stood in the way: their sums over the pattern are divided.
 #include "lib/packing.glsl"
+#include "lib/pi.glsl"
 #include "lib/view.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -22,7 +23,6 @@ uniform sampler2D normal;
 layout(r32f) readonly uniform image2D distances;
 layout(rg32f) writeonly uniform image2D seen;
 
-const float PI = 3.14159265358979;
 const float MOST_TEXELS = 96.0;
 
 // From the eye to a texel's surface.

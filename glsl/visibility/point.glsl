@@ -4,6 +4,7 @@
 // for each small triangle, at its centre. The level is the least that keeps the small triangles' area at `max_area` or below, and
 // s is the least that keeps it at MOST_LEVEL or below: lavapipe loses patches in larger batches.
 #include "lib/packing.glsl"
+#include "lib/pi.glsl"
 #include "lib/random.glsl"
 
 const uint MOST_LEVEL = 15u;
@@ -104,11 +105,9 @@ float point_area(float area, float max_area, uint hash, bool thin) {
     return float(hash >> 8u) < area / max_area * 16777216.0 ? max_area : 0.0;
 }
 
-const float PI_OF_DISKS = 3.14159265358979;
-
 Point make_point(vec3 position, vec3 normal, float area, float diagonal, bool double_sided) {
     uvec2 n = uvec2(clamp(octahedral(normal) * 511.0 + 512.5, 0.0, 1023.0));
-    float radius = sqrt(area / PI_OF_DISKS);
+    float radius = sqrt(area / PI);
     uint r = uint(clamp(2047.5 + 96.0 * log2(radius / diagonal), 0.0, 2047.0));
     return Point(position, n.x | n.y << 10 | r << 20 | (double_sided ? 1u << 31 : 0u));
 }
@@ -116,6 +115,9 @@ Point make_point(vec3 position, vec3 normal, float area, float diagonal, bool do
 vec3 point_normal(Point p) { return octahedral_inverse((vec2(p.packed & 1023u, p.packed >> 10 & 1023u) - 512.0) / 511.0); }
 
 float point_radius(Point p, float diagonal) { return diagonal * exp2((float(p.packed >> 20 & 2047u) - 2047.0) / 96.0); }
+
+// A place of the pool without a point: all zeros, which no normal packs to.
+bool point_is_empty(Point p) { return p.packed == 0u; }
 
 bool point_is_double_sided(Point p) { return p.packed >> 31 != 0u; }
 

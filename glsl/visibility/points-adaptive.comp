@@ -6,10 +6,11 @@
 // many. Each stands for so much more of its surface as it is one of few.
 #include "lib/packing.glsl"
 #include "lib/vpl.glsl"
-#include "visibility/cluster.glsl"
+#include "visibility/point-cluster.glsl"
 #include "visibility/point.glsl"
 
 layout(local_size_x = 64) in;
+layout(constant_id = 0) const bool THIN = false;
 
 layout(scalar, push_constant) uniform Params {
     float diagonal;
@@ -21,10 +22,10 @@ layout(scalar, push_constant) uniform Params {
 
 const uint MOST_CLUSTERS = 6144u; // 24 KiB of sums
 
-layout(scalar) readonly buffer Vpls { VplPoint at[]; } vpls;
+layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Pool { Point at[]; } pool;
 layout(scalar) readonly buffer Areas { float at[]; } areas;
-layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) readonly buffer Clusters { PointCluster at[]; } clusters;
 layout(scalar) readonly buffer ChunkBegins { uint at[]; } chunk_begins;
 layout(scalar) readonly buffer Begins { uint at[]; } begins;
 layout(scalar) writeonly buffer Points { Point at[]; } points;
@@ -38,8 +39,8 @@ void main() {
     uint offset = begins.at[vpl], count = begins.at[vpl + 1u] - offset;
     if (lane == 0u) fill.at[vpl] = count;
     if (count == 0u) return;
-    vec3 position = vpls.at[vpl].position;
-    vec3 normal = octahedral_snorm16_inverse(vpls.at[vpl].normal);
+    vec3 position = places.at[vpl].position;
+    vec3 normal = octahedral_snorm16_inverse(places.at[vpl].normal);
     uint each = (params.clusters + 63u) / 64u;
     uint low = min(lane * each, params.clusters), high = min(low + each, params.clusters);
     float sum = 0.0;
@@ -74,11 +75,13 @@ void main() {
         for (uint step = 4096u; step > 0u; step /= 2u) {
             k += k + step < most && areas.at[first + k + step - 1u] <= within ? step : 0u;
         }
+        // Rounding may lead to the cluster's end, behind its last point.
+        while (THIN && k > 0u && point_is_empty(pool.at[first + k])) k--;
         Point point = pool.at[min(first + k, max(end, 1u) - 1u)];
         float own = point_radius(point, params.diagonal);
         float stands_for = area * total / (float(count) * chance);
-        float radius = max(own, sqrt(stands_for / PI_OF_DISKS));
+        float radius = max(own, sqrt(stands_for / PI));
         points.at[offset + i] =
-            make_point(point.position, point_normal(point), PI_OF_DISKS * radius * radius, params.diagonal, point_is_double_sided(point));
+            make_point(point.position, point_normal(point), PI * radius * radius, params.diagonal, point_is_double_sided(point));
     }
 }

@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Clusters of neighbouring points, an invocation each, and within each the sums of the points' areas, by which they are drawn.
-#include "visibility/cluster.glsl"
+#include "visibility/point-cluster.glsl"
 #include "visibility/point.glsl"
 
 layout(local_size_x = 64) in;
@@ -18,31 +18,33 @@ layout(scalar, push_constant) uniform Params {
 layout(scalar) readonly buffer Points { Point at[]; } points;
 layout(scalar) readonly buffer Begins { uint at[]; } begins;
 layout(scalar) writeonly buffer Areas { float at[]; } areas;
-layout(scalar) writeonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) writeonly buffer Clusters { PointCluster at[]; } clusters;
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= params.clusters) return;
     uint low = index * params.each;
     uint high = min(low + params.each, min(begins.at[params.groups], params.capacity));
-    Cluster cluster = Cluster(vec3(0.0), vec3(0.0), 0.0, 0.0, vec3(0.0));
+    PointCluster cluster = PointCluster(vec3(0.0), vec3(0.0), 0.0, 0.0, vec3(0.0));
     vec3 least = vec3(1e30), most = vec3(-1e30);
     float single = 0.0, both = 0.0;
     for (uint i = low; i < high; i++) {
         Point point = points.at[i];
-        float radius = point_radius(point, params.diagonal);
-        float area = PI_OF_DISKS * radius * radius;
-        bool double_sided = point_is_double_sided(point);
-        cluster.vector_area += double_sided ? vec3(0.0) : point_normal(point) * area;
-        single += double_sided ? 0.0 : area;
-        both += double_sided ? area : 0.0;
-        cluster.area += area;
-        least = min(least, point.position);
-        most = max(most, point.position);
+        if (!point_is_empty(point)) {
+            float radius = point_radius(point, params.diagonal);
+            float area = PI * radius * radius;
+            bool double_sided = point_is_double_sided(point);
+            cluster.vector_area += double_sided ? vec3(0.0) : point_normal(point) * area;
+            single += double_sided ? 0.0 : area;
+            both += double_sided ? area : 0.0;
+            cluster.area += area;
+            least = min(least, point.position);
+            most = max(most, point.position);
+        }
         areas.at[i] = cluster.area;
     }
     cluster.center = 0.5 * (least + most);
-    if (high > low) cluster.extent = 0.5 * (most - least);
+    if (cluster.area > 0.0) cluster.extent = 0.5 * (most - least);
     // A convex body shows a quarter of its surface to any side; a sheet that is seen from both, half.
     cluster.stray = 0.25 * max(single - length(cluster.vector_area), 0.0) + 0.5 * both;
     clusters.at[index] = cluster;

@@ -14,9 +14,9 @@ layout(scalar, push_constant) uniform Params {
     uint proxies;
 } params;
 
-layout(scalar) readonly buffer Points { VplPoint at[]; } points;
+layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Areas { float at[]; } areas;
-layout(scalar) writeonly buffer ProxyPoints { VplPoint at[]; } proxy_points;
+layout(scalar) writeonly buffer ProxyPlaces { VplPlace at[]; } proxy_places;
 layout(scalar) writeonly buffer ProxyAreas { float at[]; } proxy_areas;
 layout(scalar) writeonly buffer Labels { uint at[]; } labels; // of each VPL its proxy
 
@@ -24,8 +24,8 @@ void main() {
     uint proxy = gl_GlobalInvocationID.x;
     if (proxy >= params.proxies) return;
     uint in_map = params.blocks.x * params.blocks.y, layer = proxy / in_map, block = proxy % in_map;
-    uvec2 place = uvec2(block % params.blocks.x, block / params.blocks.x);
-    uvec2 low = place * params.size / params.blocks, high = (place + 1u) * params.size / params.blocks;
+    uvec2 at = uvec2(block % params.blocks.x, block / params.blocks.x);
+    uvec2 low = at * params.size / params.blocks, high = (at + 1u) * params.size / params.blocks;
     vec2 middle = 0.5 * vec2(low + high - 1u);
     uint best = 0xffffffffu;
     float least = 0.0;
@@ -41,8 +41,8 @@ void main() {
             }
         }
     }
-    VplPoint point = VplPoint(vec3(0.0), 0u);
-    if (best != 0xffffffffu) point = points.at[best];
-    proxy_points.at[proxy] = point;
+    VplPlace place = VplPlace(vec3(0.0), 0u);
+    if (best != 0xffffffffu) place = places.at[best];
+    proxy_places.at[proxy] = place;
     proxy_areas.at[proxy] = best != 0xffffffffu ? areas.at[best] : 0.0;
 }

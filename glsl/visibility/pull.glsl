@@ -1,10 +1,8 @@
 // The pull phase (Linke 2016, section 3.3.2): a texel of the coarser level is the mean of those of the four below it that lie in the
 // depth interval of the frontmost. Whoever includes it defines
 //     bool finer_texel(ivec2 texel, out Pulled p);
-//     void put(ivec2 texel, bool there, Pulled p);
-// a texel of the finer level, if there is anything in it, and what becomes of one of the coarser, and SPREAD: how much of the square of the
-// distances between points adds to their radius's.
-#include "visibility/pulled.glsl"
+// a texel of the finer level, if there is anything in it.
+#include "part/disk=visibility/disk-facing"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -13,8 +11,9 @@ layout(scalar, push_constant) uniform Params {
     float texel; // its width, in texels of the finest
 } params;
 
+layout(PULLED_FORMAT) writeonly uniform uimage2D coarser;
+
 bool finer_texel(ivec2 texel, out Pulled p);
-void put(ivec2 texel, bool there, Pulled p);
 
 void main() {
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
@@ -49,5 +48,6 @@ void main() {
     // What lies apart reaches farther together, or there were holes between them.
     spread = max(spread * over - dot(sum.offset, sum.offset), 0.0) * SPREAD * params.texel * params.texel;
     sum.radius = sqrt(sum.radius * sum.radius + spread);
-    put(texel, count > 0.0, Pulled(sum.depth, sum.radius, max(sum.extent - sum.depth, 0.0), sum.offset, sum.tilt * over));
+    Pulled mean = Pulled(sum.depth, sum.radius, max(sum.extent - sum.depth, 0.0), sum.offset, sum.tilt * over);
+    imageStore(coarser, texel, count > 0.0 ? pulled_words(mean) : uvec4(EMPTY, EMPTY, 0u, 0u));
 }

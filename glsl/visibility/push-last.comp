@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // The last push: distances alone, which the gather compares with.
-#include "visibility/push-disk.glsl"
+#include "visibility/push.glsl"
 
 layout(r32ui) readonly uniform uimage2D finer;
 layout(r32f) writeonly uniform image2D maps;

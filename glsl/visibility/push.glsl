@@ -1,14 +1,11 @@
 // The push phase (Linke 2016, section 3.3.2): an invocation fills the four texels of the finer level that lie around a corner of the
 // coarser level's, since they are interpolated from the same four. A texel is filled where it is empty or hidden by what is
 // interpolated. Whoever includes it defines
-//     bool coarser_texel(ivec2 texel, out Pulled p);
-//     bool reaches(Pulled p, vec2 way, ivec2 texel, out float depth);
-// a texel of the coarser level, and whether what is in it reaches a texel of the finer level, `way` from it in that level's texels, and how far off
-// it is there;
 //     bool finer_texel(ivec2 texel, out float depth);
 //     void fill_texel(ivec2 texel, Pulled p);
 //     void keep_texel(ivec2 texel, bool there, float depth);
-#include "visibility/pulled.glsl"
+// how far off a texel of the finer level is, if there is anything in it, and what is stored where it is filled and where it stays.
+#include "part/disk=visibility/disk-facing"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const bool CLAMP = true;
@@ -19,8 +16,14 @@ layout(scalar, push_constant) uniform Params {
     float scale; // of its texels in one of the finest level's
 } params;
 
-bool coarser_texel(ivec2 texel, out Pulled p);
-bool reaches(Pulled p, vec2 way, ivec2 texel, out float depth);
+layout(PULLED_FORMAT) readonly uniform uimage2D coarser;
+
+bool coarser_texel(ivec2 texel, out Pulled p) {
+    uvec4 words = imageLoad(coarser, texel);
+    p = pulled_from(words);
+    return words.x != EMPTY;
+}
+
 bool finer_texel(ivec2 texel, out float depth);
 void fill_texel(ivec2 texel, Pulled p);
 void keep_texel(ivec2 texel, bool there, float depth);
@@ -48,7 +51,7 @@ void main() {
         float front = 2.0, limit = 2.0;
         for (int i = 0; i < 4; i++) {
             bool crosses = (seam.x && ((i ^ o) & 1) != 0) || (seam.y && ((i ^ o) & 2) != 0);
-            reached[i] = reaches(from[i], center - from[i].offset, texel, depths[i]) && there[i] && !crosses;
+            reached[i] = reaches(from[i], center - from[i].offset, texel, params.tile, params.scale, depths[i]) && there[i] && !crosses;
             bool nearer = reached[i] && depths[i] < front;
             limit = nearer ? depths[i] + from[i].extent : limit;
             front = nearer ? depths[i] : front;

@@ -4,7 +4,7 @@
 // Shadow rays between pixels and virtual point lights: an invocation traces those of one pixel and 32 VPLs. Pixels share the VPLs
 // out as in glsl/gather/per-pixel.glsl.
 #include "bvh/hole.glsl"
-#include "lib/view.glsl"
+#include "gbuffer/receiver.glsl"
 #include "lib/vpl.glsl"
 
 layout(local_size_x = 8, local_size_y = 4) in;
@@ -14,10 +14,7 @@ layout(scalar, push_constant) uniform Params {
     uint count; // VPLs
 } params;
 
-layout(scalar) uniform ViewBlock { View it; } view;
-uniform sampler2D depth;
-uniform sampler2D normal;
-layout(scalar) readonly buffer Points { VplPoint at[]; } points;
+layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Areas { float at[]; } areas; // 0 of VPLs that are dark
 layout(r32ui) writeonly uniform uimage2DArray visible;
 
@@ -29,21 +26,19 @@ void main() {
     uvec2 set = gl_WorkGroupID.xy % INTERLEAVE;
     uvec2 block = gl_WorkGroupID.xy / INTERLEAVE * gl_WorkGroupSize.xy * INTERLEAVE;
     ivec2 pixel = ivec2(block + gl_LocalInvocationID.xy * INTERLEAVE + set);
-    if (any(greaterThanEqual(uvec2(pixel), uvec2(view.it.width, view.it.height)))) return;
-    float z = texelFetch(depth, pixel, 0).r;
+    if (!in_picture(pixel)) return;
+    Receiver r = receiver(pixel);
     uint bits = 0u;
-    if (z > 0.0) {
-        vec3 x = view_position(view.it, pixel, z);
-        vec3 n = octahedral_inverse(texelFetch(normal, pixel, 0).xy);
-        vec3 from = lifted(x, n, view.it.near / z * length(view.it.up) / (128.0 * float(view.it.height)));
+    if (r.distance > 0.0) {
+        vec3 from = lifted(r.position, r.normal, r.distance * length(view.it.up) / (128.0 * float(view.it.height)));
         for (uint i = 0u; i < 32u; i++) {
             uint index = (gl_WorkGroupID.z * 32u + i) * INTERLEAVE * INTERLEAVE + set.y * INTERLEAVE + set.x;
             if (index >= params.count) break;
-            VplPoint vpl = points.at[index];
+            VplPlace vpl = places.at[index];
             vec3 facing = octahedral_snorm16_inverse(vpl.normal);
-            vec3 way = vpl.position - x;
+            vec3 way = vpl.position - r.position;
             // Only where some light would arrive.
-            if (dot(n, way) > 0.0 && dot(facing, way) < 0.0 && areas.at[index] > 0.0) {
+            if (dot(r.normal, way) > 0.0 && dot(facing, way) < 0.0 && areas.at[index] > 0.0) {
                 bits |= is_occluded(make_ray(from, lifted(vpl.position, facing, 2e-5 * view.it.diagonal) - from), 1.0) ? 0u : 1u << i;
             }
         }

@@ -4,6 +4,7 @@
 // what becomes of a texel's word: the point's normal and direction are in the VPL's space, p is where it is in the disk;
 //     void put_total(uint drawn, uint lost);
 // and what becomes of a workgroup's or an invocation's counts.
+#include "lib/basis.glsl"
 #include "lib/paraboloid.glsl"
 #include "lib/vpl.glsl"
 #include "visibility/ism.glsl"
@@ -28,7 +29,7 @@ layout(scalar, push_constant) uniform Params {
 layout(scalar) readonly buffer Points { Point at[]; } points;
 layout(scalar) readonly buffer Begins { uint at[]; } begins; // where the partitions begin, and the end
 layout(scalar) readonly buffer Fill { uint at[]; } fill;
-layout(scalar) readonly buffer Vpls { VplPoint at[]; } vpls;
+layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 
 shared vec3 position[32];
 shared mat3 axes[32];
@@ -41,8 +42,8 @@ void main() {
     uint part = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
     if (lane < params.considered) {
         uint vpl = (part + lane) % params.count;
-        position[lane] = vpls.at[vpl].position;
-        axes[lane] = hemisphere(octahedral_snorm16_inverse(vpls.at[vpl].normal));
+        position[lane] = places.at[vpl].position;
+        axes[lane] = basis_of(octahedral_snorm16_inverse(places.at[vpl].normal));
         corner[lane] = map_corner(vpl, params.columns, int(MAP_SIZE));
     }
     barrier();

@@ -1,3 +1,5 @@
+#ifndef TILT_GLSL
+#define TILT_GLSL
 // How a surface is tilted where a map sees it: its normal's share along the map's two axes there. The projection keeps angles, so these axes
 // are perpendicular; what is left of the normal points to the VPL.
 
@@ -16,3 +18,4 @@ vec2 unpack_tilt(uint word) { return unpackUnorm2x16(word) * 2.0 - 1.0; }
 
 // The cosine between the normal and the direction to the VPL; 0.05 at least.
 float facing_of(vec2 tilt) { return sqrt(max(1.0 - dot(tilt, tilt), 0.0025)); }
+#endif

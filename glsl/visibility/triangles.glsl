@@ -1,7 +1,7 @@
 // Goes through the points of a chunk of triangles: a workgroup counts those of each triangle, and shares all of them out among its
 // invocations. Whoever includes it defines
 //     void take(uint k, uint total, Point point, uvec2 hash);
-// for point k of the chunk's `total`.
+// for point k of the chunk's `total`, unless it is thinned out.
 #include "lib/scene.glsl"
 #include "visibility/point.glsl"
 

@@ -4,7 +4,7 @@
 // How much each VPL sees of the scene, as if nothing hid anything: a workgroup a VPL.
 #include "lib/packing.glsl"
 #include "lib/vpl.glsl"
-#include "visibility/cluster.glsl"
+#include "visibility/point-cluster.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -12,17 +12,17 @@ layout(scalar, push_constant) uniform Params {
     uint clusters;
 } params;
 
-layout(scalar) readonly buffer Vpls { VplPoint at[]; } vpls;
+layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Areas { float at[]; } areas; // 0 of VPLs that are dark
-layout(scalar) readonly buffer Clusters { Cluster at[]; } clusters;
+layout(scalar) readonly buffer Clusters { PointCluster at[]; } clusters;
 layout(scalar) writeonly buffer Views { float at[]; } views; // solid angles, 0 for VPLs without light
 
 shared float totals[64];
 
 void main() {
     uint vpl = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
-    vec3 position = vpls.at[vpl].position;
-    vec3 normal = octahedral_snorm16_inverse(vpls.at[vpl].normal);
+    vec3 position = places.at[vpl].position;
+    vec3 normal = octahedral_snorm16_inverse(places.at[vpl].normal);
     bool dark = areas.at[vpl] == 0.0;
     float sum = 0.0;
     for (uint i = lane; i < params.clusters && !dark; i += 64u) sum += cluster_view(clusters.at[i], position, normal);

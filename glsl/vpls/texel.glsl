@@ -1,8 +1,4 @@
-#ifndef VPL_TEXEL_GLSL
-#define VPL_TEXEL_GLSL
-// What samplers of the reflective shadow maps share: which map a sample is of, and the VPL that a texel makes. Whoever includes it defines
-//     bool put_lobe(uint index, ivec3 at, float texels, vec3 position);
-// whether there is a glossy VPL beside the diffuse one, which it stores; a texel without a surface has the layer -1.
+// What samplers of the reflective shadow maps share: which map a sample is of, and the VPL that a texel makes.
 #include "lib/brdf.glsl"
 #include "lib/light.glsl"
 #include "lib/packing.glsl"
@@ -22,12 +18,12 @@ uniform sampler2DArray rsm_depth;
 uniform sampler2DArray rsm_normal;
 uniform sampler2DArray rsm_flux;
 uniform sampler2DArray rsm_albedo;
-layout(scalar) writeonly buffer Points { VplPoint at[]; } points;
+layout(scalar) writeonly buffer Places { VplPlace at[]; } places;
 layout(scalar) writeonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) writeonly buffer Areas { float at[]; } areas;
 layout(scalar) buffer Lit { uint count; } lit;
 
-bool put_lobe(uint index, ivec3 at, float texels, vec3 position);
+#include "part/lobe=vpls/lobe-none"
 
 // The map of sample number `sample_index`, and which of the map's samples it is; the first maps get what the division leaves over.
 void map_of(uint sample_index, out uint layer, out uint k, out uint count) {
@@ -43,22 +39,21 @@ void share_of(uint index, out uint layer, out uint k, out uint count) { map_of(p
 
 // VPL number `index` at a texel, which stands for so many.
 void put(uint index, ivec3 at, float texels) {
-    VplPoint point = VplPoint(vec3(0.0), 0u);
+    VplPlace place = VplPlace(vec3(0.0), 0u);
     vec3 intensity = vec3(0.0);
     float area = 0.0;
     float depth = texelFetch(rsm_depth, at, 0).r;
     if (depth > 0.0) {
         vec2 ndc = (vec2(at.xy) + 0.5) / vec2(params.size) * 2.0 - 1.0;
-        point.position = light_position(lights.at[at.z], ndc, depth);
-        point.normal = octahedral_snorm16(octahedral_inverse(texelFetch(rsm_normal, at, 0).xy));
-        area = texels * texel_beam(lights.at[at.z], ndc, point.position);
+        place.position = light_position(lights.at[at.z], ndc, depth);
+        place.normal = octahedral_snorm16(octahedral_inverse(texelFetch(rsm_normal, at, 0).xy));
+        area = texels * texel_beam(lights.at[at.z], ndc, place.position);
         intensity = texelFetch(rsm_flux, at, 0).rgb * texelFetch(rsm_albedo, at, 0).rgb * (texels / PI);
     }
-    bool glossy = put_lobe(index, depth > 0.0 ? at : ivec3(-1), texels, point.position);
+    bool glossy = put_lobe(index, depth > 0.0 ? at : ivec3(-1), texels, place.position);
     if (all(equal(intensity, vec3(0.0))) && !glossy) area = 0.0;
-    points.at[index] = point;
+    places.at[index] = place;
     intensities.at[index] = intensity;
     areas.at[index] = area;
     if (area > 0.0) atomicAdd(lit.count, 1u);
 }
-#endif

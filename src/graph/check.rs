@@ -1,8 +1,8 @@
 //! Holds what a pass declares against what its shaders do.
 
 use super::pass::{DrawList, Pass, Use, Work};
-use super::{Graph, Resource, Source};
-use crate::gpu::{Binding, BindingKind, Block, ShaderAccess};
+use super::{Graph, Library, Resource, Source, Variant};
+use crate::gpu::{Binding, BindingKind, Block, Shader, ShaderAccess};
 use anyhow::{Context, Result, bail};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
@@ -76,6 +76,36 @@ pub(super) fn params(pass: &Pass, blocks: &[Option<&Block>]) -> Result<()> {
         (Some(_), false) => bail!("pass {}: params are given, the shader has none", pass.name),
         (None, true) => bail!("pass {}: the shader has params, none are given", pass.name),
         (None, false) => Ok(()),
+    }
+}
+
+/// Compares the parts that a pass names with the slots of its shaders, before they are compiled.
+pub(super) fn parts(pass: &Pass, variants: &[Variant], library: &Library) -> Result<()> {
+    let mut slots = BTreeSet::new();
+    for variant in variants {
+        slots.extend(library.slots(variant).with_context(|| format!("pass {}", pass.name))?);
+    }
+    for (i, (slot, part)) in pass.parts.iter().enumerate() {
+        if pass.parts[..i].iter().any(|(other, _)| other == slot) {
+            bail!("pass {}: two parts are named for {slot:?}", pass.name);
+        }
+        if !slots.contains(slot) {
+            bail!("pass {}: {part} is named for {slot:?}, the shader has no such slot", pass.name);
+        }
+    }
+    Ok(())
+}
+
+/// Compares specialization constants, those of a draw list among them. The shaders' are what their sources declare, used or not: SPIR-V that
+/// is not optimised keeps them all.
+pub(super) fn constants(pass: &Pass, given: &[(&str, u32)], shaders: &[&Shader]) -> Result<()> {
+    let declared = || shaders.iter().flat_map(|shader| shader.constants.iter().map(|(name, _)| name.as_str()));
+    if let Some((name, _)) = given.iter().find(|(name, _)| declared().all(|known| known != *name)) {
+        bail!("pass {}: the shader has no specialization constant {name}", pass.name);
+    }
+    match declared().find(|name| given.iter().all(|(known, _)| known != name)) {
+        Some(name) => bail!("pass {}: the shader has a specialization constant {name}, the pass does not set it", pass.name),
+        None => Ok(()),
     }
 }
 

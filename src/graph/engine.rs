@@ -7,7 +7,7 @@ use super::pipelines::PipelineKey;
 use super::plan::plan;
 use super::pool::{BufferKind, Pool};
 use super::record::{Placed, Ready, Step, accesses};
-use super::{Graph, ReadBack, Resource, Source};
+use super::{Graph, ReadBack, Resource, Source, Variant};
 use crate::gpu::{BindingKind, Bound, BufferId, Format, Gpu, ImageDesc, PipelineId, Sampler};
 use crate::trace;
 use anyhow::{Result, bail};
@@ -87,9 +87,9 @@ impl Engine {
         Self { gpu, library, pipelines: HashMap::new(), pool: Pool::default() }
     }
 
-    /// A hash of a shader's source and of the compiler: it changes with what the shader does.
+    /// A hash of a shader's source, with the defaults in its slots, and of the compiler: it changes with what the shader does.
     pub fn shader_key(&self, path: &str) -> Result<blake3::Hash> {
-        self.library.key(path)
+        self.library.key(path, &[])
     }
 
     /// A hash of all shaders' sources and of the compiler.
@@ -105,14 +105,7 @@ impl Engine {
     /// Compiles the graph's shaders and makes its pipelines, so that no frame has to.
     pub fn prepare(&mut self, graph: &Graph) -> Result<()> {
         check::order(graph)?;
-        let mut paths = BTreeSet::new();
-        for pass in &graph.passes {
-            match pass.work {
-                Work::Compute(_) => paths.extend([format!("{}.comp", pass.shader)]),
-                Work::Raster { .. } => paths.extend(self.library.raster_paths(pass.shader)),
-            }
-        }
-        self.library.prepare(&paths)?;
+        self.compile(graph)?;
         for pass in &graph.passes {
             match &pass.work {
                 Work::Compute(_) => {
@@ -351,12 +344,13 @@ impl Engine {
 
     /// The pipeline that counts texels which are not finite, and where it counts them.
     fn checker(&mut self, pool: &mut Pool, count: usize) -> Result<(PipelineId, BufferId)> {
-        self.library.prepare(&BTreeSet::from([format!("{CHECK}.comp")]))?;
+        let shader = Variant { path: format!("{CHECK}.comp"), parts: Vec::new() };
+        self.library.prepare(&BTreeSet::from([shader.clone()]))?;
         self.gpu.prepare_sampler(Sampler::Nearest)?;
-        let key = PipelineKey { shader: CHECK, constants: Vec::new(), raster: None };
+        let key = PipelineKey { shader: CHECK, parts: Vec::new(), constants: Vec::new(), raster: None };
         let id = match self.pipelines.get(&key) {
             Some(id) => *id,
-            None => self.gpu.create_compute_pipeline(CHECK, self.library.get(&format!("{CHECK}.comp")), &[])?,
+            None => self.gpu.create_compute_pipeline(CHECK, self.library.get(&shader), &[])?,
         };
         self.pipelines.insert(key, id);
         let counts = pool.buffer(&mut self.gpu, "non-finite counts", 4 * count.max(1) as u64, BufferKind::ReadBack)?;

@@ -8,6 +8,7 @@ mod check;
 mod engine;
 mod library;
 mod memory;
+mod parts;
 mod pass;
 mod pipelines;
 pub mod plan;
@@ -17,6 +18,7 @@ mod shader_struct;
 
 pub use engine::{Dump, DumpData, Engine, Execution, FrameOutcome, Timing};
 pub use library::Library;
+pub use parts::{Part, Variant};
 pub use pass::{ComputePass, DrawList, Extent, ListBlock, RasterPass};
 pub use pool::Pool;
 pub use shader_struct::{Member, ShaderStruct};

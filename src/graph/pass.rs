@@ -1,6 +1,6 @@
 //! Passes and the sentences that declare them.
 
-use super::{Buffer, Element, Graph, Image, Resource, ShaderStruct};
+use super::{Buffer, Element, Graph, Image, Part, Resource, ShaderStruct};
 use crate::gpu::{BufferId, ImageId, Load, Sampler, ShaderAccess, VertexLayout};
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
@@ -78,6 +78,7 @@ pub(super) struct Pass {
     pub name: &'static str,
     /// Its shaders, if they do not go by the pass's name.
     pub shader: &'static str,
+    pub parts: Vec<Part>,
     pub uses: Vec<Use>,
     pub constants: Vec<(&'static str, u32)>,
     pub params: Option<(Element, Vec<u8>)>,
@@ -89,6 +90,12 @@ macro_rules! declarations {
         /// Takes another shader than the one of the pass's name.
         pub fn shader(mut self, shader: &'static str) -> Self {
             self.pass.shader = shader;
+            self
+        }
+
+        /// Fills a slot of its shaders (`#include "part/SLOT"`) with `glsl/PART.glsl`.
+        pub fn part(mut self, slot: &'static str, part: &'static str) -> Self {
+            self.pass.parts.push((slot, part));
             self
         }
 
@@ -112,7 +119,7 @@ macro_rules! declarations {
             self.uses(binding, resource.into(), ShaderAccess::ReadWrite, Sampler::Nearest)
         }
 
-        /// Sets a specialization constant by name; numbers are given by their bits.
+        /// Sets a specialization constant by name; each that the shaders declare must be set, here or by all draw lists.
         pub fn constant(mut self, name: &'static str, value: impl ConstantValue) -> Self {
             self.pass.constants.push((name, value.bits()));
             self
@@ -263,7 +270,7 @@ impl Pass {
     fn new(graph: &Graph, name: &'static str, work: Work) -> Self {
         let shader = name;
         let name = if graph.suffix.is_empty() { name } else { interned(format!("{name}{}", graph.suffix)) };
-        Self { name, shader, uses: Vec::new(), constants: Vec::new(), params: None, work }
+        Self { name, shader, parts: Vec::new(), uses: Vec::new(), constants: Vec::new(), params: None, work }
     }
 
     /// All resources that it writes, attachments included.

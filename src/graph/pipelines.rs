@@ -1,21 +1,45 @@
 //! The engine's pipelines: made once for each shader, constants and targets, and held against every pass that uses them.
 
-use super::Graph;
 use super::check;
 use super::engine::Engine;
 use super::pass::{DrawList, Pass, Work};
-use crate::gpu::{PipelineId, RasterState, Shader};
+use super::{Graph, Part, Variant};
+use crate::gpu::{PipelineId, RasterState, Shader, ShaderStage};
 use crate::trace;
 use anyhow::{Result, bail};
+use std::collections::BTreeSet;
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct PipelineKey {
     pub shader: &'static str,
+    pub parts: Vec<Part>,
     pub constants: Vec<(&'static str, u32)>,
     pub raster: Option<RasterState>,
 }
 
 impl Engine {
+    /// A pass's shaders, one a stage.
+    fn variants(&self, pass: &Pass) -> Vec<Variant> {
+        let paths = match pass.work {
+            Work::Compute(_) => vec![format!("{}.comp", pass.shader)],
+            Work::Raster { .. } => self.library.raster_paths(pass.shader),
+        };
+        paths.into_iter().map(|path| Variant { path, parts: pass.parts.clone() }).collect()
+    }
+
+    /// Compiles the graph's shaders, with the parts that its passes name.
+    pub(super) fn compile(&mut self, graph: &Graph) -> Result<()> {
+        let mut wanted = BTreeSet::new();
+        for pass in &graph.passes {
+            let variants = self.variants(pass);
+            if !variants.iter().all(|variant| self.library.is_prepared(variant)) {
+                check::parts(pass, &variants, &self.library)?;
+            }
+            wanted.extend(variants);
+        }
+        self.library.prepare(&wanted)
+    }
+
     /// The pipeline of a pass, or of one of its draw lists, checked against what the pass declares.
     pub(super) fn pipeline(&mut self, graph: &Graph, pass: &Pass, list: Option<&DrawList>) -> Result<PipelineId> {
         let raster = match (&pass.work, list) {
@@ -32,26 +56,23 @@ impl Engine {
         };
         let mut constants = pass.constants.clone();
         constants.extend(list.iter().flat_map(|list| list.constants.iter().copied()));
-        let key = PipelineKey { shader: pass.shader, constants, raster };
+        let key = PipelineKey { shader: pass.shader, parts: pass.parts.clone(), constants, raster };
+        let variants = self.variants(pass);
         let id = match self.pipelines.get(&key) {
             Some(id) => *id,
             None => {
-                let id = self.make_pipeline(pass, &key)?;
-                self.pipelines.insert(key.clone(), id);
+                let id = self.make_pipeline(pass, &variants, &key)?;
+                self.pipelines.insert(key, id);
                 id
             }
         };
         // Another pass, or another frame, may declare itself differently over the same pipeline.
         check::bindings(graph, pass, list, self.gpu.bindings(id))?;
-        let paths = match key.raster {
-            Some(_) => self.library.raster_paths(pass.shader),
-            None => vec![format!("{}.comp", pass.shader)],
-        };
-        let shaders = paths.iter().map(|path| self.library.get(path));
-        check::params(pass, &shaders.map(|shader| shader.push_constants.as_ref()).collect::<Vec<_>>())?;
+        let shaders: Vec<&Shader> = variants.iter().map(|variant| self.library.get(variant)).collect();
+        check::params(pass, &shaders.iter().map(|shader| shader.push_constants.as_ref()).collect::<Vec<_>>())?;
         if let Work::Raster { color, .. } = &pass.work {
-            let fragment = paths.iter().find(|path| path.ends_with(".frag"));
-            let mut outputs = fragment.map_or_else(Vec::new, |path| self.library.get(path).outputs.clone());
+            let fragment = shaders.iter().find(|shader| shader.stage == ShaderStage::Fragment);
+            let mut outputs = fragment.map_or_else(Vec::new, |shader| shader.outputs.clone());
             outputs.sort_by_key(|(_, location)| *location);
             let outputs: Vec<&str> = outputs.iter().map(|(name, _)| name.as_str()).collect();
             let declared: Vec<&str> = color.iter().map(|target| target.output).collect();
@@ -62,31 +83,18 @@ impl Engine {
         Ok(id)
     }
 
-    fn make_pipeline(&mut self, pass: &Pass, key: &PipelineKey) -> Result<PipelineId> {
+    fn make_pipeline(&mut self, pass: &Pass, variants: &[Variant], key: &PipelineKey) -> Result<PipelineId> {
         let _span = trace::span(format_args!("pipeline of {}", pass.name));
+        let shaders: Vec<&Shader> = variants.iter().map(|variant| self.library.get(variant)).collect();
+        check::constants(pass, &key.constants, &shaders)?;
         let ids = |shader: &Shader| -> Vec<(u32, u32)> {
             let id = |name: &str| shader.constants.iter().find(|(known, _)| known == name).map(|(_, id)| *id);
             key.constants.iter().filter_map(|(name, value)| Some((id(name)?, *value))).collect()
         };
-        let known = |name: &str, shaders: &[&Shader]| shaders.iter().any(|s| s.constants.iter().any(|(n, _)| n == name));
-        let unknown = |shaders: &[&Shader]| key.constants.iter().map(|(name, _)| *name).find(|name| !known(name, shaders));
+        let shaders: Vec<_> = shaders.into_iter().map(|shader| (shader, ids(shader))).collect();
         match &key.raster {
-            None => {
-                let shader = self.library.get(&format!("{}.comp", pass.shader));
-                if let Some(name) = unknown(&[shader]) {
-                    bail!("pass {}: the shader has no specialization constant {name}", pass.name);
-                }
-                self.gpu.create_compute_pipeline(pass.name, shader, &ids(shader))
-            }
-            Some(state) => {
-                let paths = self.library.raster_paths(pass.shader);
-                let shaders: Vec<&Shader> = paths.iter().map(|path| self.library.get(path)).collect();
-                if let Some(name) = unknown(&shaders) {
-                    bail!("pass {}: the shaders have no specialization constant {name}", pass.name);
-                }
-                let shaders: Vec<_> = shaders.into_iter().map(|shader| (shader, ids(shader))).collect();
-                self.gpu.create_raster_pipeline(pass.name, &shaders, state)
-            }
+            None => self.gpu.create_compute_pipeline(pass.name, shaders[0].0, &shaders[0].1),
+            Some(state) => self.gpu.create_raster_pipeline(pass.name, &shaders, state),
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use super::facts::{Facts, planned_turns};
 use super::methods::{Choice, Needs};
-use super::vpls::{VplPoint, Vpls};
+use super::vpls::{VplPlace, Vpls};
 use super::wants::Wants;
 use crate::config::{BounceConfig, Centers, Config, Layers, Pattern, Representative, Shares, VisibilityMethod};
 use crate::fail;
@@ -14,7 +14,7 @@ use crate::world::device::{FrameScene, Maps, Parts};
 use anyhow::Result;
 
 shader_struct! {
-    /// `glsl/bounce/cluster.glsl`.
+    /// `glsl/bounce/vpl-cluster.glsl`.
     pub struct Cluster {
         pub position: [f32; 3],
         /// Octahedral, two signed normalized 16-bit numbers.
@@ -208,11 +208,12 @@ fn k_means(g: &mut Graph, vpls: &Vpls, clusters: &Clusters, config: &BounceConfi
     let frames = g.history::<u32>("bounce/frames", 1);
     let (rounds, unsettled) = (g.count("bounce/rounds"), g.count("bounce/unsettled"));
     let most = most_rounds(vpls.count, clusters.count);
+    let pass = g.compute("bounce/k-means");
     let pass = match vpls.kept {
-        Some(kept) => g.compute("bounce/k-means").shader("bounce/k-means-kept").reads("kept_shares", kept),
-        None => g.compute("bounce/k-means"),
+        Some(kept) => pass.part("kept", "bounce/kept-shares").reads("kept_shares", kept),
+        None => pass,
     };
-    pass.reads("points", vpls.points)
+    pass.reads("places", vpls.places)
         .reads("intensities", vpls.intensities)
         .updates("centres", centres)
         .updates("frames", frames)
@@ -248,14 +249,14 @@ fn draw(g: &mut Graph, scene: FrameScene<'_>, clusters: &Clusters, config: &Boun
     };
     let (shader, group) = match config.layers {
         Layers::GeometryShader => ("bounce/draw-geometry", 8),
-        Layers::Instanced => ("bounce/draw-instanced", 1),
+        Layers::Instanced => ("bounce/draw", 1),
         Layers::PerLayer => {
             for layer in 0..count {
                 g.again(layer + 1, |g| {
                     let (parts, _) = seen_parts(g, scene, clusters, [layer, 1], 1);
                     let pass = g
                         .raster("bounce/draw")
-                        .shader("bounce/draw-layer")
+                        .part("layer", "bounce/layer-pass")
                         .reads("draws", scene.draws)
                         .reads("parts", parts.parts)
                         .reads("clusters", clusters.clusters)
@@ -316,7 +317,7 @@ fn sample(g: &mut Graph, clusters: &Clusters, config: &BounceConfig) -> Vpls {
     let count = config.vpls;
     let vpls = Vpls {
         count,
-        points: g.buffer::<VplPoint>("bounce/points", count),
+        places: g.buffer::<VplPlace>("bounce/places", count),
         intensities: g.buffer::<[f32; 3]>("bounce/intensities", count),
         areas: g.buffer::<f32>("bounce/areas", count),
         kept: None,
@@ -340,7 +341,7 @@ fn sample(g: &mut Graph, clusters: &Clusters, config: &BounceConfig) -> Vpls {
         .reads("distances", clusters.distances)
         .reads("normals", clusters.normals)
         .reads("albedos", clusters.albedos)
-        .writes("points", vpls.points)
+        .writes("places", vpls.places)
         .writes("intensities", vpls.intensities)
         .writes("areas", vpls.areas)
         .updates("wasted", wasted)

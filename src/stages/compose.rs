@@ -48,9 +48,10 @@ pub fn sum(
         radiance: g.image("compose/radiance", Format::Rgba16Float, gbuffer.size),
         image: g.image("compose/image", Format::Rgba8Unorm, gbuffer.size),
     };
+    let pass = g.compute("compose/sum");
     let pass = match visible {
-        None => g.compute("compose/sum"),
-        Some(visible) => g.compute("compose/sum-occluded").reads("visible", visible),
+        None => pass,
+        Some(visible) => pass.part("occlusion", "compose/occlusion-seen").reads("visible", visible),
     };
     pass.reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)

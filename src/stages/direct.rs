@@ -42,14 +42,15 @@ pub fn shade(g: &mut Graph, around: Surroundings<'_>, config: &DirectConfig) -> 
         Shadows::Variance => Some(variance_moments(g, rsm, config.blur)),
         Shadows::PercentageCloser | Shadows::RayTraced | Shadows::None => None,
     };
-    let (name, map) = match config.shadows {
-        Shadows::Variance => ("direct/variance", moments.map(|image| ("moments", image, Sampler::Linear))),
-        Shadows::PercentageCloser => ("direct/percentage-closer", Some(("rsm_depth", rsm.depth, Sampler::Nearest))),
-        Shadows::RayTraced => ("direct/ray-traced", None),
-        Shadows::None => ("direct/none", None),
+    let (shadow, map) = match config.shadows {
+        Shadows::Variance => ("direct/shadow-variance", moments.map(|image| ("moments", image, Sampler::Linear))),
+        Shadows::PercentageCloser => ("direct/shadow-percentage-closer", Some(("rsm_depth", rsm.depth, Sampler::Nearest))),
+        Shadows::RayTraced => ("direct/shadow-ray-traced", None),
+        Shadows::None => ("direct/shadow-none", None),
     };
     let mut pass = g
-        .compute(name)
+        .compute("direct/shade")
+        .part("shadow", shadow)
         .reads("view", gbuffer.view)
         .reads("lights", rsm.lights)
         .reads("depth", gbuffer.depth)

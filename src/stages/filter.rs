@@ -29,28 +29,28 @@ impl Choice for FilterKind {
 /// Fills the slot with the config's kind.
 pub fn smooth(g: &mut Graph, gbuffer: &GBuffer, noisy: Indirect, config: &FilterConfig) -> Indirect {
     let interleave = noisy.pattern.side();
-    let (shader, radius) = match config.kind {
+    let (weights, radius) = match config.kind {
         FilterKind::None => return noisy,
         // Without a pattern and without a wish there is nothing to smooth.
         _ if config.radius.unwrap_or(interleave) <= 1 => return noisy,
-        FilterKind::Bilateral => ("filter/bilateral", interleave),
-        FilterKind::Gaussian => ("filter/gaussian", 2 * interleave),
-        FilterKind::CrossBilateral => ("filter/cross-bilateral", interleave),
+        FilterKind::Bilateral => ("filter/weights-bilateral", interleave),
+        FilterKind::Gaussian => ("filter/weights-gaussian", 2 * interleave),
+        FilterKind::CrossBilateral => ("filter/weights-cross-bilateral", interleave),
     };
     let radius = config.radius.unwrap_or(radius);
     let irradiance =
-        separable(g, gbuffer, noisy.irradiance, shader, ["filter/rows", "filter/columns", "filter/irradiance"], radius, config);
+        separable(g, gbuffer, noisy.irradiance, weights, ["filter/rows", "filter/columns", "filter/irradiance"], radius, config);
     let names = ["filter/reflection-rows", "filter/reflection-columns", "filter/reflection"];
-    let reflection = noisy.reflection.map(|noisy| separable(g, gbuffer, noisy, shader, names, radius, config));
+    let reflection = noisy.reflection.map(|noisy| separable(g, gbuffer, noisy, weights, names, radius, config));
     Indirect { irradiance, reflection, ..noisy }
 }
 
-/// Depth- and normal-aware, first along rows, then along columns (Laine et al. 2007); the shader says how weights fall.
+/// Depth- and normal-aware, first along rows, then along columns (Laine et al. 2007); the part says how weights fall.
 fn separable(
     g: &mut Graph,
     gbuffer: &GBuffer,
     noisy: Image,
-    shader: &'static str,
+    weights: &'static str,
     [in_rows, in_columns, name]: [&'static str; 3],
     radius: u32,
     config: &FilterConfig,
@@ -64,7 +64,8 @@ fn separable(
     };
     for (name, vertical, from, to) in [(in_rows, false, noisy, rows), (in_columns, true, rows, smoothed)] {
         g.compute(name)
-            .shader(shader)
+            .shader("filter/separable")
+            .part("weights", weights)
             .reads("view", gbuffer.view)
             .reads("depth", gbuffer.depth)
             .reads("normal", gbuffer.normal)

@@ -12,7 +12,7 @@ use anyhow::Result;
 
 shader_struct! {
     /// `glsl/lib/vpl.glsl`.
-    pub struct VplPoint {
+    pub struct VplPlace {
         pub position: [f32; 3],
         /// Octahedral, two signed normalized 16-bit numbers.
         pub normal: u32,
@@ -54,8 +54,8 @@ shader_struct! {
 #[derive(Debug, Clone, Copy)]
 pub struct Vpls {
     pub count: u32,
-    /// [`VplPoint`].
-    pub points: Buffer,
+    /// [`VplPlace`].
+    pub places: Buffer,
     /// Radiant intensity along the normal, W/sr, RGB.
     pub intensities: Buffer,
     /// Cross section of the beam that each stands for, m^2; 0 of a VPL without light, and of no other. A disk's size follows from it
@@ -107,13 +107,13 @@ pub fn sample(g: &mut Graph, rsm: &Rsm, _gbuffer: &GBuffer, config: &VplsConfig)
         Importance::None => None,
         Importance::PassedFlux => Some(passed_flux(g, rsm)),
     };
-    let (passes, count) = match (config.sampler, distribution) {
-        (VplSampler::Regular, _) => (["vpls/regular", "vpls/regular-glossy"], config.count),
-        (VplSampler::Hammersley, None) => (["vpls/hammersley", "vpls/hammersley-glossy"], config.count),
-        (VplSampler::Hammersley, Some(_)) => (["vpls/important", "vpls/important-glossy"], config.count),
-        (VplSampler::EveryTexel, _) => (["vpls/every-texel", "vpls/every-texel-glossy"], rsm.size[0] * rsm.size[1] * rsm.layers),
+    let (pass, count) = match (config.sampler, distribution) {
+        (VplSampler::Regular, _) => ("vpls/regular", config.count),
+        (VplSampler::Hammersley, None) => ("vpls/hammersley", config.count),
+        (VplSampler::Hammersley, Some(_)) => ("vpls/important", config.count),
+        (VplSampler::EveryTexel, _) => ("vpls/every-texel", rsm.size[0] * rsm.size[1] * rsm.layers),
     };
-    from_texels(g, passes, rsm, distribution, count, config.reflection != Reflection::Glossy)
+    from_texels(g, pass, rsm, distribution, count, config.reflection != Reflection::Glossy)
 }
 
 /// Cells of the maps by the flux that they pass on to the scene.
@@ -141,18 +141,11 @@ fn passed_flux(g: &mut Graph, rsm: &Rsm) -> Distribution {
     distribution
 }
 
-/// Texels of each light's map, in the order of a fixed permutation; the pass says which, and whether there are glossy ones beside the diffuse.
-fn from_texels(
-    g: &mut Graph,
-    [matte, glossy]: [&'static str; 2],
-    rsm: &Rsm,
-    distribution: Option<Distribution>,
-    count: u32,
-    diffuse: bool,
-) -> Vpls {
+/// Texels of each light's map, in the order of a fixed permutation; the pass says which.
+fn from_texels(g: &mut Graph, pass: &'static str, rsm: &Rsm, distribution: Option<Distribution>, count: u32, diffuse: bool) -> Vpls {
     let vpls = Vpls {
         count,
-        points: g.buffer::<VplPoint>("vpls/points", count),
+        places: g.buffer::<VplPlace>("vpls/places", count),
         intensities: g.buffer::<[f32; 3]>("vpls/intensities", count),
         areas: g.buffer::<f32>("vpls/areas", count),
         kept: distribution.map(|_| g.buffer::<f32>("vpls/kept", count)),
@@ -160,11 +153,14 @@ fn from_texels(
         diffuse,
     };
     let lit = g.count("vpls/lit");
+    let pass = g.compute(pass);
     let pass = match (rsm.glossy, vpls.lobes) {
-        (Some(texels), Some(lobes)) => {
-            g.compute(glossy).reads("rsm_specular", texels.specular).reads("rsm_lobe", texels.lobe).writes("lobes", lobes)
-        }
-        _ => g.compute(matte),
+        (Some(texels), Some(lobes)) => pass
+            .part("lobe", "vpls/lobe-stored")
+            .reads("rsm_specular", texels.specular)
+            .reads("rsm_lobe", texels.lobe)
+            .writes("lobes", lobes),
+        _ => pass,
     };
     let pass = match (distribution, vpls.kept) {
         (Some(Distribution { columns, rows }), Some(kept)) => {
@@ -177,7 +173,7 @@ fn from_texels(
         .reads("rsm_normal", rsm.normal)
         .reads("rsm_flux", rsm.flux)
         .reads("rsm_albedo", rsm.albedo)
-        .writes("points", vpls.points)
+        .writes("places", vpls.places)
         .writes("intensities", vpls.intensities)
         .writes("areas", vpls.areas)
         .updates("lit", lit)

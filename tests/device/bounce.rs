@@ -15,7 +15,7 @@ use manylight::scene::Scene;
 use manylight::scene::pack::{octahedral_inverse, octahedral_snorm16_inverse};
 use manylight::scene::source::load_scene;
 use manylight::stages::bounce::Cluster;
-use manylight::stages::vpls::VplPoint;
+use manylight::stages::vpls::VplPlace;
 use manylight::walk::flicker_of_walk;
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::path::Path;
@@ -192,7 +192,7 @@ fn every_vpl_is_in_the_cluster_nearest_to_it() {
         config.vpls.count = vpls;
         config.bounce.representative = representative;
         let rendered = dump(&mut renderer, &config, 0, &["vpls/hammersley", "bounce/k-means"]);
-        let points: Vec<VplPoint> = pod_collect_to_vec(dumped(&rendered, "vpls/points"));
+        let points: Vec<VplPlace> = pod_collect_to_vec(dumped(&rendered, "vpls/places"));
         let lit: Vec<bool> = intensities(&rendered, "vpls/intensities").iter().map(|i| i.max_element() > 0.0).collect();
         let labels: Vec<u32> = words(dumped(&rendered, "bounce/labels")).collect();
         let clusters = clusters(&rendered);
@@ -644,9 +644,9 @@ fn importance_puts_vpls_into_the_court_and_keeps_their_light() {
     let mut light = |importance, pass| {
         config.vpls.importance = importance;
         let rendered = dump(&mut renderer, &config, 0, &[pass]);
-        let points: Vec<VplPoint> = pod_collect_to_vec(dumped(&rendered, "vpls/points"));
+        let points: Vec<VplPlace> = pod_collect_to_vec(dumped(&rendered, "vpls/places"));
         let lights: Vec<_> = points.iter().zip(intensities(&rendered, "vpls/intensities")).filter(|(_, i)| i.x > 0.0).collect();
-        let sum = |lights: &[&(&VplPoint, DVec3)]| lights.iter().map(|(_, i)| i.x * PI).sum::<f64>();
+        let sum = |lights: &[&(&VplPlace, DVec3)]| lights.iter().map(|(_, i)| i.x * PI).sum::<f64>();
         let (court, roof): (Vec<_>, Vec<_>) = lights.iter().partition(|(point, _)| point.position[1] < -0.01);
         (court.len(), sum(&court), sum(&roof))
     };

@@ -95,7 +95,7 @@ fn lists(renderer: &mut Renderer, config: &Config) -> (Vec<u32>, usize) {
     config.gather.culling = Culling::Clustered;
     let rendered = dump(renderer, &config, 0, &["gather/light-lists"]);
     let lists: Vec<u32> = words(dumped(&rendered, "gather/lists")).collect();
-    let used = count(&rendered, "gather/used-clusters") as usize;
+    let used = count(&rendered, "gather/used-froxels") as usize;
     let (parts, stride) = (16, 1 + config.vpls.count.div_ceil(16) as usize);
     ((0..used * parts).map(|part| lists[part * stride]).collect(), used)
 }
@@ -135,7 +135,7 @@ fn without_interleaving_every_pixel_gathers_every_vpl() {
         config.gather.culling = culling;
         let rendered = dump(&mut renderer, &config, 0, &["vpls/regular"]);
         let floats = |name: &str| -> Vec<f32> { words(dumped(&rendered, name)).map(f32::from_bits).collect() };
-        let (points, intensities) = (floats("vpls/points"), floats("vpls/intensities"));
+        let (points, intensities) = (floats("vpls/places"), floats("vpls/intensities"));
         let picture = rendered.picture.unwrap();
         let (positions, normals) = (picture.positions(), picture.normals());
         let mut checked = 0;

@@ -8,13 +8,17 @@ use manylight::world::device::VERTEX;
 use manylight::{shader_struct, vertex_layout};
 use std::collections::{BTreeMap, BTreeSet};
 
-const HEADER: &str = "#version 460\n#extension GL_EXT_scalar_block_layout : require\nlayout(local_size_x = 64) in;\n";
+const HEADER: &str = "#version 460\n#extension GL_EXT_scalar_block_layout : require\n\
+    #extension GL_GOOGLE_include_directive : require\nlayout(local_size_x = 64) in;\n";
 const FILL: &str = "layout(scalar) writeonly buffer To { uint at[]; } to;\nvoid main() { to.at[gl_GlobalInvocationID.x] = 7u; }\n";
 const COPY: &str = "layout(scalar) readonly buffer From { uint at[]; } from;\nlayout(scalar) writeonly buffer To { uint at[]; } to;\n\
     void main() { to.at[gl_GlobalInvocationID.x] = from.at[gl_GlobalInvocationID.x] + 1u; }\n";
 
 fn library(files: &[(&str, &str)]) -> Library {
-    let compute = files.iter().map(|(path, text)| ((*path).to_owned(), format!("{HEADER}{text}")));
+    let compute = files.iter().map(|(path, text)| {
+        let text = if path.ends_with(".glsl") { (*text).to_owned() } else { format!("{HEADER}{text}") };
+        ((*path).to_owned(), text)
+    });
     let raster = [
         ("test/raster.vert", "#version 460\nlayout(location = 0) in vec3 position;\nvoid main() { gl_Position = vec4(position, 1.0); }\n"),
         (
@@ -31,9 +35,9 @@ fn library(files: &[(&str, &str)]) -> Library {
 fn write_then_read(ordered: bool) -> Vec<String> {
     let mut gpu = gpu();
     let mut library = library(&[("test/fill.comp", FILL), ("test/copy.comp", COPY)]);
-    library.prepare(&BTreeSet::from(["test/fill.comp".to_owned(), "test/copy.comp".to_owned()])).unwrap();
-    let fill = gpu.create_compute_pipeline("test/fill", library.get("test/fill.comp"), &[]).unwrap();
-    let copy = gpu.create_compute_pipeline("test/copy", library.get("test/copy.comp"), &[]).unwrap();
+    library.prepare(&BTreeSet::from(["test/fill.comp".into(), "test/copy.comp".into()])).unwrap();
+    let fill = gpu.create_compute_pipeline("test/fill", library.get(&"test/fill.comp".into()), &[]).unwrap();
+    let copy = gpu.create_compute_pipeline("test/copy", library.get(&"test/copy.comp".into()), &[]).unwrap();
     let (first, second) = (gpu.create_buffer("first", 256).unwrap(), gpu.create_buffer("second", 256).unwrap());
     let binding = |pipeline, name: &str| gpu.bindings(pipeline)[name].0;
     let filled = [(binding(fill, "to"), Bound::StorageBuffer(first))];
@@ -143,6 +147,29 @@ const IMAGE: &str = "uniform sampler2D image;\nlayout(scalar) writeonly buffer T
 const SIZED: &str = "layout(constant_id = 2) const uint SIZE = 1;\nlayout(scalar) writeonly buffer To { uint at[]; } to;\n\
     void main() { to.at[gl_GlobalInvocationID.x] = SIZE; }\n";
 
+const SLOTTED: &str = "#include \"part/number=part-seven\"\n#include \"part/sign\"\n\
+    layout(scalar) writeonly buffer To { uint at[]; } to;\nvoid main() { to.at[gl_GlobalInvocationID.x] = sign_of() * number(); }\n";
+const SEVEN: &str = "uint number() { return 7u; }\n";
+const GIVEN: &str =
+    "layout(scalar) readonly buffer From { uint at[]; } from;\nuint number() { return from.at[gl_GlobalInvocationID.x]; }\n";
+const SIGN: &str = "uint sign_of() { return 1u; }\n";
+const PARTS: [(&str, &str); 3] = [("part-seven.glsl", SEVEN), ("part-given.glsl", GIVEN), ("part-sign.glsl", SIGN)];
+
+#[test]
+fn a_part_brings_bindings_that_the_pass_declares() {
+    let mut engine = Engine::new(gpu(), library(&[&[("test/slotted.comp", SLOTTED)], &PARTS[..]].concat()));
+    let mut g = Graph::new();
+    let (from, to, other) = (g.upload("from", &[3u32; 64]), g.buffer::<u32>("to", 64), g.buffer::<u32>("other", 64));
+    g.compute("test/slotted").part("sign", "part-sign").writes("to", to).dispatch([64, 1, 1]);
+    let given = g.compute("given").shader("test/slotted").part("sign", "part-sign").part("number", "part-given");
+    given.reads("from", from).writes("to", other).dispatch([64, 1, 1]);
+    let read = [to, other].map(|buffer| g.read_back(buffer));
+    let outcome = engine.execute(&g, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
+    assert_eq!(read.map(|read| outcome.bytes(read).to_vec()), [7u32, 3].map(|n| bytemuck::cast_slice::<u32, u8>(&[n; 64]).to_vec()));
+    assert_eq!(engine.pipelines_made(), 2);
+    finish(&engine.gpu);
+}
+
 /// Runs a frame that must be refused, and returns why it was.
 fn refused(engine: &mut Engine, what: &str, describe: impl FnOnce(&mut Graph)) -> String {
     let mut g = Graph::new();
@@ -157,14 +184,21 @@ fn refused(engine: &mut Engine, what: &str, describe: impl FnOnce(&mut Graph)) -
 fn a_pass_that_lies_about_itself_is_refused_by_name() {
     let mut engine = Engine::new(
         gpu(),
-        library(&[
-            ("test/fill.comp", FILL),
-            ("test/copy.comp", COPY),
-            ("test/pairs.comp", PAIRS),
-            ("test/update.comp", UPDATE),
-            ("test/image.comp", IMAGE),
-            ("test/sized.comp", SIZED),
-        ]),
+        library(
+            &[
+                &[
+                    ("test/fill.comp", FILL),
+                    ("test/copy.comp", COPY),
+                    ("test/pairs.comp", PAIRS),
+                    ("test/update.comp", UPDATE),
+                    ("test/image.comp", IMAGE),
+                    ("test/sized.comp", SIZED),
+                    ("test/slotted.comp", SLOTTED),
+                ],
+                &PARTS[..],
+            ]
+            .concat(),
+        ),
     );
     let nothing = engine.gpu.create_buffer("nothing", 64).unwrap();
     let to = |g: &mut Graph| g.buffer::<u32>("to", 64);
@@ -267,6 +301,54 @@ fn a_pass_that_lies_about_itself_is_refused_by_name() {
             Box::new(move |g| {
                 let to = to(g);
                 g.compute("test/sized").writes("to", to).constant("LENGTH", 3u32).dispatch([64, 1, 1]);
+            }),
+        ),
+        (
+            "a constant that the pass forgets",
+            "pass test/sized: the shader has a specialization constant SIZE, the pass does not set it",
+            Box::new(move |g| {
+                let to = to(g);
+                g.compute("test/sized").writes("to", to).dispatch([64, 1, 1]);
+            }),
+        ),
+        (
+            "a part for a slot that the shader lacks",
+            "pass test/fill: part-seven is named for \"number\", the shader has no such slot",
+            Box::new(move |g| {
+                let to = to(g);
+                g.compute("test/fill").part("number", "part-seven").writes("to", to).dispatch([64, 1, 1]);
+            }),
+        ),
+        (
+            "a slot that nothing fills",
+            "pass test/slotted: glsl/test/slotted.comp: its slot \"sign\" has no default, and no part is named for it",
+            Box::new(move |g| {
+                let to = to(g);
+                g.compute("test/slotted").writes("to", to).dispatch([64, 1, 1]);
+            }),
+        ),
+        (
+            "a part that there is not",
+            "pass test/slotted: glsl/part-eight.glsl: there is no such part, for \"sign\"",
+            Box::new(move |g| {
+                let to = to(g);
+                g.compute("test/slotted").part("sign", "part-eight").writes("to", to).dispatch([64, 1, 1]);
+            }),
+        ),
+        (
+            "two parts for a slot",
+            "pass test/slotted: two parts are named for \"sign\"",
+            Box::new(move |g| {
+                let to = to(g);
+                g.compute("test/slotted").part("sign", "part-sign").part("sign", "part-seven").writes("to", to).dispatch([64, 1, 1]);
+            }),
+        ),
+        (
+            "a part whose binding the pass keeps quiet about",
+            "pass test/slotted: the shader uses \"from\", the pass does not declare it",
+            Box::new(move |g| {
+                let to = to(g);
+                g.compute("test/slotted").part("sign", "part-sign").part("number", "part-given").writes("to", to).dispatch([64, 1, 1]);
             }),
         ),
         (

@@ -111,7 +111,7 @@ fn slanted(normals: bool) -> (f32, f32) {
     let (mut errors, mut holes) = (Vec::new(), 0);
     for (i, depth) in words(dumped(&rendered, "visibility/maps")).map(f32::from_bits).enumerate() {
         let p = (Vec2::new((i % 64) as f32, (i / 64) as f32) + 0.5) * (2.0 / 64.0) - 1.0;
-        // The axes of the VPL's space, whose normal is +Y: `hemisphere` of glsl/lib/paraboloid.glsl.
+        // The axes of the VPL's space, whose normal is +Y: `basis_of` of glsl/lib/basis.glsl.
         let w = Vec3::new(2.0 * p.x, 1.0 - p.length_squared(), -2.0 * p.y) / (1.0 + p.length_squared());
         let d = corners[0].dot(plane) / w.dot(plane);
         let at = w * d;

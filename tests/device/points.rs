@@ -2,12 +2,12 @@
 
 use crate::common::*;
 use glam::{Vec2, Vec3};
-use manylight::config::{Builtin, Collect, Config, SceneConfig, VisibilityMethod};
+use manylight::config::{Builtin, Collect, Config, PointSet, SceneConfig, VisibilityMethod};
 use manylight::renderer::Renderer;
 use manylight::scene::Scene;
 use manylight::scene::pack::octahedral_inverse;
 use manylight::scene::source::load_scene;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A point as the buffers hold it: `glsl/visibility/point.glsl`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,6 +56,20 @@ fn points(renderer: &mut Renderer, config: &Config) -> Vec<Point> {
         }
     }
     all
+}
+
+/// The pool that adaptive points are drawn from, as far as it holds points, and the points that the VPLs' maps got of it.
+fn pool(renderer: &mut Renderer, config: &Config) -> (Vec<Point>, Vec<Point>) {
+    let mut config = config.clone();
+    config.visibility.points = PointSet::Adaptive;
+    let rendered = dump(renderer, &config, 0, &["visibility/pool-scan", "visibility/pool-points", "visibility/points-adaptive"]);
+    let point = |p: &[u32]| Point { position: Vec3::from_array([p[0], p[1], p[2]].map(f32::from_bits)), packed: p[3], partition: 0 };
+    let words = |name: &str| words(dumped(&rendered, name)).collect::<Vec<u32>>();
+    let (places, drawn) =
+        (*words("visibility/pool-begins").last().unwrap() as usize, words("visibility/fill").iter().sum::<u32>() as usize);
+    let all = |name: &str, count: usize| words(name).chunks_exact(4).take(count).map(point).collect::<Vec<_>>();
+    let pool = all("visibility/pool", places).into_iter().filter(|point| point.packed != 0).collect();
+    (pool, all("visibility/points", drawn))
 }
 
 /// One triangle so large that it is cut into parts before it is tessellated.
@@ -107,4 +121,29 @@ fn both_ways_of_collecting_make_the_same_points() {
         }
         finish(renderer.gpu());
     }
+}
+
+#[test]
+fn small_triangles_are_thinned_for_adaptive_points_as_for_uniform_ones() {
+    // Far more triangles than points.
+    let scene = SceneConfig { builtin: Some(Builtin::Atrium), triangles: 20_000, ..SceneConfig::default() };
+    let mut renderer = renderer(load_scene(&scene).unwrap().0);
+    let mut config = config(2_000);
+    let sorted = |points: &[Point]| {
+        let mut bits: Vec<_> = points.iter().map(|point| (point.position.to_array().map(f32::to_bits), point.packed)).collect();
+        bits.sort_unstable();
+        bits
+    };
+    let counts = [false, true].map(|thin| {
+        config.visibility.thin = thin;
+        let uniform = points(&mut renderer, &config);
+        let (pool, drawn) = pool(&mut renderer, &config);
+        assert_eq!(sorted(&uniform), sorted(&pool), "thinned: {thin}");
+        let places: BTreeSet<[u32; 3]> = pool.iter().map(|point| point.position.to_array().map(f32::to_bits)).collect();
+        assert!(drawn.len() > 1000 && drawn.iter().all(|point| places.contains(&point.position.to_array().map(f32::to_bits))));
+        pool.len()
+    });
+    println!("{} points, thinned {}", counts[0], counts[1]);
+    assert!(counts[0] >= 20_000 && (1_800..2_200).contains(&counts[1]), "{counts:?}");
+    finish(renderer.gpu());
 }

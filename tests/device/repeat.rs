@@ -93,7 +93,7 @@ fn neither_timing_nor_dumps_nor_checks_change_the_picture() {
             ("rsm/draw", "rsm/normal"),
             ("rsm/draw", "rsm/albedo"),
             ("rsm/draw", "rsm/depth"),
-            ("vpls/regular", "vpls/points"),
+            ("vpls/regular", "vpls/places"),
             ("vpls/regular", "vpls/intensities"),
             ("vpls/regular", "vpls/areas"),
             ("gather/tiled", "gather/irradiance"),

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use manylight::gpu::{Accesses, Attachment, Barrier, Bound, Format, Gpu, ImageDesc, Load, RasterState, Stages};
-use manylight::graph::{DrawList, Engine, Execution, Graph, Library, Timing};
+use manylight::graph::{DrawList, Engine, Execution, Graph, Library, Timing, Variant};
 use manylight::scene::Vertex;
 use manylight::world::device::{DrawArguments, VERTEX};
 use std::collections::{BTreeMap, BTreeSet};
@@ -90,10 +90,10 @@ fn vertices_that_no_pass_has_made_are_refused() {
 fn make_then_draw(ordered: bool) -> Vec<String> {
     let mut gpu: Gpu = gpu();
     let mut library = library();
-    library
-        .prepare(&["test/make.comp", "test/draw.vert", "test/draw.frag"].map(str::to_owned).into_iter().collect::<BTreeSet<_>>())
-        .unwrap();
-    let make = gpu.create_compute_pipeline("test/make", library.get("test/make.comp"), &[]).unwrap();
+    let [make, vert, frag] =
+        ["test/make.comp", "test/draw.vert", "test/draw.frag"].map(|path| Variant { path: path.to_owned(), parts: Vec::new() });
+    library.prepare(&BTreeSet::from([make.clone(), vert.clone(), frag.clone()])).unwrap();
+    let make = gpu.create_compute_pipeline("test/make", library.get(&make), &[]).unwrap();
     let state = RasterState {
         vertex: VERTEX,
         color: vec![Format::Rgba32Float],
@@ -102,7 +102,7 @@ fn make_then_draw(ordered: bool) -> Vec<String> {
         additive: false,
         conservative: false,
     };
-    let stages = ["test/draw.vert", "test/draw.frag"].map(|path| (library.get(path), Vec::new()));
+    let stages = [vert, frag].map(|shader| (library.get(&shader), Vec::new()));
     let draw = gpu.create_raster_pipeline("test/draw", &stages, &state).unwrap();
     let vertices = gpu.create_buffer("made", 3 * size_of::<Vertex>() as u64).unwrap();
     let indices = gpu.create_upload_buffer("indices", bytemuck::cast_slice(&[0u32, 1, 2])).unwrap();

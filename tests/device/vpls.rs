@@ -6,7 +6,7 @@ use manylight::config::{Config, Culling, Dielectric, Importance, LightConfig, Re
 use manylight::graph::Execution;
 use manylight::renderer::{Rendered, Renderer};
 use manylight::scene::pack;
-use manylight::stages::vpls::{Lobe, VplPoint};
+use manylight::stages::vpls::{Lobe, VplPlace};
 
 const LIGHT: Vec3 = Vec3::new(1.0, 1.5, 1.0);
 
@@ -59,7 +59,7 @@ fn vpls_of_every_sampler_keep_the_contract() {
 }
 
 fn keeps_the_contract(rendered: &Rendered, count: usize, reflection: Reflection, importance: Importance, what: &str) {
-    let places: Vec<VplPoint> = pod(rendered, "vpls/points");
+    let places: Vec<VplPlace> = pod(rendered, "vpls/places");
     let intensities: Vec<[f32; 3]> = pod(rendered, "vpls/intensities");
     let areas: Vec<f32> = pod(rendered, "vpls/areas");
     assert_eq!((places.len(), intensities.len(), areas.len()), (count, count, count), "{what}");

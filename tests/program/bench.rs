@@ -15,7 +15,7 @@ const PASSES: [&str; 11] = [
     "filter/columns",
     "direct/moments",
     "direct/moments-blur",
-    "direct/variance",
+    "direct/shade",
     "compose/sum",
 ];
 

@@ -283,7 +283,7 @@ fn bad_input_ends_with_one_sentence_its_code_and_no_output() {
 fn a_broken_shader_is_reported_with_its_file_and_line() {
     let place = Place::new(&[("box.toml", BOX)]);
     place.copy_shaders("glsl");
-    let broken = place.path("glsl/compose/sum.glsl");
+    let broken = place.path("glsl/compose/sum.comp");
     let good = fs::read_to_string(&broken).unwrap();
     let line = good.lines().position(|line| line.contains("vec3 shown")).unwrap() + 1;
     let with_shaders = |folder: &str| {
@@ -294,7 +294,7 @@ fn a_broken_shader_is_reported_with_its_file_and_line() {
     succeeded(&with_shaders("glsl"));
     fs::remove_dir_all(place.path("out")).unwrap();
     fs::write(&broken, good.replace("vec3 shown = ", "vec3 shown = nonsense * ")).unwrap();
-    failed("a broken shader", &with_shaders("glsl"), 2, &[&format!("compose/sum.glsl:{line}:"), "nonsense"]);
+    failed("a broken shader", &with_shaders("glsl"), 2, &[&format!("compose/sum.comp:{line}:"), "nonsense"]);
     fs::remove_file(place.path("glsl/compose/sum.comp")).unwrap();
     failed("a missing shader", &with_shaders("glsl"), 2, &["compose/sum.comp"]);
     failed("a missing folder", &with_shaders("nowhere"), 2, &["MANYLIGHT_GLSL", "nowhere"]);
@@ -309,7 +309,7 @@ fn an_injected_fault_ends_with_its_code_names_what_it_met_and_leaves_no_file() {
         ("device-lost:gather/tiled", 4, &["gather/tiled", "lost"]),
         ("device-lost:compose/sum", 4, &["compose/sum", "lost"]),
         ("out-of-memory:rsm/depth", 5, &["rsm/depth", "memory"]),
-        ("out-of-memory:vpls/points", 5, &["vpls/points", "memory"]),
+        ("out-of-memory:vpls/places", 5, &["vpls/places", "memory"]),
     ];
     for (fault, code, says) in cases {
         for timing in ["isolated", "serial"] {

@@ -1,6 +1,6 @@
 //! What the gather's methods need of a device, what they refuse, and what they say of a frame.
 
-use super::rivals::shell_bytes;
+use super::conservative::shell_bytes;
 use super::shells::CONSERVATIVE;
 use crate::config::{Config, Culling, GatherMethod, Rasterization, Reflection};
 use crate::fail;

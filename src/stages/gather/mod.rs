@@ -1,8 +1,9 @@
 //! Irradiance at every pixel from the VPLs.
 
+mod conservative;
 mod limits;
-mod rivals;
 pub mod shells;
+mod splatting;
 mod statistics;
 mod stochastic;
 
@@ -20,7 +21,7 @@ use crate::graph::{Buffer, ComputePass, Graph, Image};
 use crate::shader_struct;
 
 shader_struct! {
-    /// `glsl/gather/ism.glsl`.
+    /// `glsl/gather/ism-lookup.glsl`.
     struct IsmBlock {
         far: f32,
         bias: f32,
@@ -28,7 +29,7 @@ shader_struct! {
         columns: u32,
     }
 
-    /// `glsl/gather/clusters.glsl`.
+    /// `glsl/gather/shadow-clusters.glsl`.
     struct ClustersBlock {
         far: f32,
         bias: f32,
@@ -39,7 +40,7 @@ shader_struct! {
         size: [i32; 2],
     }
 
-    struct ClusterListParams {
+    struct FroxelListParams {
         tiles: u32,
     }
 
@@ -80,10 +81,10 @@ pub fn indirect(
             sum_of(g, lights, |g, vpls, visibility| stochastic::tiled(g, around, vpls, visibility, roulette, config))
         }
         (GatherMethod::PerPixel, Culling::Splatting) => {
-            sum_of(g, lights, |g, vpls, _| rivals::splatting(g, around, vpls, roulette, config))
+            sum_of(g, lights, |g, vpls, _| splatting::splatting(g, around, vpls, roulette, config))
         }
         (GatherMethod::PerPixel, Culling::ConservativeClusters) => {
-            sum_of(g, lights, |g, vpls, _| rivals::conservative_clusters(g, around, vpls, roulette, config))
+            sum_of(g, lights, |g, vpls, _| conservative::conservative_clusters(g, around, vpls, roulette, config))
         }
     }
 }
@@ -122,24 +123,21 @@ fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: V
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
     // A workgroup of 8 x 4 invocations, each of which takes 2 x 2 pixels of its set.
     let groups = interleave.groups(gbuffer.size, [16, 8]);
-    let clusters = match config.culling {
-        Culling::Clustered => Some(clusters(g, gbuffer, vpls, interleave)),
-        Culling::None | Culling::Tiled | Culling::StochasticTiled | Culling::Splatting | Culling::ConservativeClusters => None,
-    };
-    let names = match config.culling {
+    let name = match config.culling {
         Culling::StochasticTiled | Culling::Splatting | Culling::ConservativeClusters => unreachable!("they have functions of their own"),
-        Culling::None => ["gather/per-pixel", "gather/per-pixel-visible", "gather/per-pixel-ism", "gather/per-pixel-clusters", ""],
-        Culling::Tiled => ["gather/tiled", "gather/tiled-visible", "gather/tiled-ism", "gather/tiled-clusters", ""],
-        Culling::Clustered => ["gather/clustered", "gather/clustered-visible", "gather/clustered-ism", "gather/clustered-clusters", ""],
+        Culling::None => "gather/per-pixel",
+        Culling::Tiled => "gather/tiled",
+        Culling::Clustered => "gather/clustered",
     };
-    let mut pass = shadowed(g, names, visibility);
-    if let Some(clusters) = clusters {
-        pass = pass.reads("rows", clusters.rows).reads("lists", clusters.lists).constant("PARTS", parts(interleave));
+    let froxels = (config.culling == Culling::Clustered).then(|| froxels(g, gbuffer, vpls, interleave));
+    let mut pass = shadowed(g, name, visibility);
+    if let Some(Froxels { rows, lists }) = froxels {
+        pass = pass.reads("rows", rows).reads("lists", lists).constant("PARTS", parts(interleave));
     }
     pass.reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
         .reads("normal", gbuffer.normal)
-        .reads("points", vpls.points)
+        .reads("places", vpls.places)
         .reads("intensities", vpls.intensities)
         .reads("areas", vpls.areas)
         .writes("irradiance", irradiance)
@@ -157,16 +155,19 @@ fn in_maps<'g>(g: &'g mut Graph, name: &'static str, ism: Ism) -> ComputePass<'g
     g.compute(name).reads("ism", block).reads("maps", ism.maps).constant("BILINEAR", ism.lookup == Lookup::Bilinear)
 }
 
-/// The pass of those that is for a kind of shadow, with what that reads.
-fn shadowed<'g>(g: &'g mut Graph, names: [&'static str; 5], visibility: Visibility) -> ComputePass<'g> {
+/// Begins a pass that asks what pixels see of VPLs: with the parts for one kind of visibility, and what those read.
+fn shadowed<'g>(g: &'g mut Graph, name: &'static str, visibility: Visibility) -> ComputePass<'g> {
     match visibility {
-        Visibility::None => g.compute(names[0]),
-        Visibility::Bits(visible) => g.compute(names[1]).reads("visible", visible),
-        Visibility::Ism(ism) => in_maps(g, names[2], ism),
-        Visibility::SharedIsm { ism, labels, proxies } => in_maps(g, names[4], ism).reads("labels", labels).reads("proxies", proxies),
+        Visibility::None => g.compute(name),
+        Visibility::Bits(visible) => g.compute(name).part("seen", "gather/seen-bits").reads("visible", visible),
+        Visibility::Ism(ism) => in_maps(g, name, ism).part("shadow", "gather/shadow-ism"),
+        Visibility::SharedIsm { ism, labels, proxies } => {
+            in_maps(g, name, ism).part("shadow", "gather/shadow-shared-ism").reads("labels", labels).reads("proxies", proxies)
+        }
         Visibility::Clusters { clusters, bias, lookup } => {
             let block = g.upload("gather/clusters-of-vpls", &[ClustersBlock { far: clusters.far, bias, size: clusters.size as i32 }]);
-            g.compute(names[3])
+            g.compute(name)
+                .part("shadow", "gather/shadow-clusters")
                 .reads("maps_of", block)
                 .reads("maps", clusters.distances)
                 .reads("clusters", clusters.clusters)
@@ -176,9 +177,9 @@ fn shadowed<'g>(g: &'g mut Graph, names: [&'static str; 5], visibility: Visibili
     }
 }
 
-/// The light lists of those clusters that hold pixels.
-struct Clusters {
-    /// A cluster's list, by tile and slice; `glsl/gather/cluster.glsl`.
+/// The light lists of the froxels that hold pixels.
+struct Froxels {
+    /// A froxel's list, by tile and slice; `glsl/gather/froxel.glsl`.
     rows: Buffer,
     /// Lists in parts: how many VPLs are in the part, and which.
     lists: Buffer,
@@ -193,37 +194,37 @@ fn parts(interleave: Interleave) -> u32 {
     interleave.sets().max(16)
 }
 
-/// Finds the clusters, and which VPLs shine into each (Linke 2016, section 4.6.1).
-fn clusters(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, interleave: Interleave) -> Clusters {
+/// Finds the froxels that hold pixels, and which VPLs shine into each (Linke 2016, section 4.6.1).
+fn froxels(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, interleave: Interleave) -> Froxels {
     let [across, down] = gbuffer.size.map(|n| n.div_ceil(TILE));
     let tiles = across * down;
     let parts = parts(interleave);
     let slices = g.buffer::<u32>("gather/slices", tiles);
-    let clusters = g.buffer::<u32>("gather/clusters", tiles * SLICES);
+    let froxels = g.buffer::<u32>("gather/froxels", tiles * SLICES);
     let rows = g.buffer::<u32>("gather/rows", tiles * SLICES);
     let lists = g.buffer::<u32>("gather/lists", tiles * SLICES * parts * (1 + vpls.count.div_ceil(parts)));
-    let used = g.count("gather/used-clusters");
-    g.compute("gather/cluster-slices")
+    let used = g.count("gather/used-froxels");
+    g.compute("gather/froxel-slices")
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
         .writes("slices", slices)
         .dispatch_groups([across, down, 1]);
-    g.compute("gather/cluster-list")
+    g.compute("gather/froxel-list")
         .reads("slices", slices)
-        .writes("clusters", clusters)
+        .writes("froxels", froxels)
         .writes("rows", rows)
         .updates("used", used)
-        .params(&ClusterListParams { tiles })
+        .params(&FroxelListParams { tiles })
         .dispatch_groups([1, 1, 1]);
     g.compute("gather/light-lists")
         .reads("view", gbuffer.view)
-        .reads("points", vpls.points)
+        .reads("places", vpls.places)
         .reads("intensities", vpls.intensities)
-        .reads("clusters", clusters)
+        .reads("froxels", froxels)
         .reads("used", used)
         .writes("lists", lists)
         .constant("PARTS", parts)
         .params(&LightListsParams { count: vpls.count })
         .dispatch_groups([tiles * SLICES, 1, 1]);
-    Clusters { rows, lists }
+    Froxels { rows, lists }
 }

@@ -1,9 +1,10 @@
 //! Stochastic light culling (Tokuyoshi and Harada 2017): VPLs shine as far as a random number each lets them.
 
+use super::shells::{FrameShells, Shell};
 use super::{Indirect, Visibility, shadowed};
 use crate::config::{Bounds, Config, Dielectric, GatherConfig, Receiver, RouletteChoice};
 use crate::gpu::Format;
-use crate::graph::{Buffer, Graph, Image};
+use crate::graph::{Buffer, DrawList, Graph, Image};
 use crate::shader_struct;
 use crate::stages::gbuffer::GBuffer;
 use crate::stages::visibility::Surroundings;
@@ -80,7 +81,7 @@ pub(super) fn ranges(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, Roulette(see
     };
     g.compute("gather/ranges")
         .reads("view", gbuffer.view)
-        .reads("points", vpls.points)
+        .reads("places", vpls.places)
         .reads("intensities", vpls.intensities)
         .reads("lobes", lobes)
         .writes("spheres", ranges.spheres)
@@ -106,6 +107,18 @@ pub(super) fn is_coated(vpls: &Vpls, dielectric: Dielectric) -> bool {
     dielectric == Dielectric::Ggx && vpls.lobes.is_some()
 }
 
+/// Bounding geometry of both kinds of VPLs' ranges, for a pass that tells them apart by its constant `GLOSSY`.
+pub(super) fn bounds(g: &mut Graph, shells: FrameShells<'_>, vpls: &Vpls, shell: Shell, far_sides: bool) -> Vec<DrawList> {
+    let mut lists = Vec::new();
+    if vpls.diffuse {
+        lists.push(shells.list(g, "gather/diffuse-bounds", shell, vpls.count, far_sides, vec![("GLOSSY", 0)]));
+    }
+    if vpls.lobes.is_some() {
+        lists.push(shells.list(g, "gather/glossy-bounds", shell, vpls.count, far_sides, vec![("GLOSSY", 1)]));
+    }
+    lists
+}
+
 /// Culls by tiles and sums in one pass (section 5).
 pub(super) fn tiled(
     g: &mut Graph,
@@ -122,18 +135,11 @@ pub(super) fn tiled(
     let reflection = g.image("gather/reflection", Format::Rgba16Float, if reflects { gbuffer.size } else { [1, 1] });
     let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.statistics { gbuffer.size } else { [1, 1] });
     let groups = interleave.groups(gbuffer.size, [TILE, TILE]);
-    let names = [
-        "gather/stochastic-tiled",
-        "gather/stochastic-tiled-visible",
-        "gather/stochastic-tiled-ism",
-        "gather/stochastic-tiled-clusters",
-        "gather/stochastic-tiled-shared-ism",
-    ];
-    shadowed(g, names, visibility)
+    shadowed(g, "gather/stochastic-tiled", visibility)
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
         .reads("normal", gbuffer.normal)
-        .reads("points", vpls.points)
+        .reads("places", vpls.places)
         .reads("intensities", vpls.intensities)
         .reads("lobes", ranges.lobes)
         .reads("spheres", ranges.spheres)

@@ -8,8 +8,8 @@ use crate::shader_struct;
 use crate::stages::vpls::Vpls;
 
 shader_struct! {
-    /// `glsl/visibility/cluster.glsl`.
-    struct Cluster {
+    /// `glsl/visibility/point-cluster.glsl`.
+    struct PointCluster {
         center: [f32; 3],
         vector_area: [f32; 3],
         stray: f32,
@@ -50,10 +50,12 @@ shader_struct! {
 /// `MOST_CLUSTERS` of `glsl/visibility/points-adaptive.comp`: their sums fit into the memory that a workgroup shares.
 const MOST_CLUSTERS: u32 = 6144;
 
-/// Draws `point_count * collected` points in all for the VPLs' maps, as many for each, from about `point_count` different ones.
-pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point_count: u32, collected: u32) -> Points {
+/// Draws `point_count * collected` points in all for the VPLs' maps, as many for each, from about `point_count` different ones; small triangles'
+/// points are thinned where `thin`.
+pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point_count: u32, collected: u32, thin: bool) -> Points {
     let table = around.residents.triangles().table;
-    let max_area = table.max_area(point_count, false);
+    let max_area = table.max_area(point_count, thin);
+    // Each triangle's points have a place in the pool, whether they are thinned out or not.
     let most = table.points(max_area, false) as u32 + 1024;
     let each = most.div_ceil(MOST_CLUSTERS).max(64);
     let clusters = most.div_ceil(each);
@@ -61,12 +63,13 @@ pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point
     let (chunks, groups) = upload_chunks(g, around, max_area);
     let counts = g.buffer::<u32>("visibility/pool-counts", groups);
     let chunk_begins = g.buffer::<u32>("visibility/pool-begins", groups + 1);
-    let pool = g.buffer::<Point>("visibility/pool", most);
+    let pool = if thin { g.zeroed::<Point>("visibility/pool", most) } else { g.buffer::<Point>("visibility/pool", most) };
     let areas = g.buffer::<f32>("visibility/pool-areas", most);
-    let cluster_table = g.buffer::<Cluster>("visibility/pool-clusters", clusters);
+    let cluster_table = g.buffer::<PointCluster>("visibility/pool-clusters", clusters);
     let params = PointsParams { max_area, diagonal, partitions: 1, capacity: most, seed: around.wants.seed };
     goes_through(g.compute("visibility/pool-count"), around, chunks)
         .writes("counts", counts)
+        .constant("THIN", thin)
         .params(&params)
         .dispatch_groups([groups, 1, 1]);
     g.compute("visibility/pool-scan")
@@ -77,6 +80,7 @@ pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point
     goes_through(g.compute("visibility/pool-points"), around, chunks)
         .reads("begins", chunk_begins)
         .writes("points", pool)
+        .constant("THIN", thin)
         .params(&params)
         .dispatch_groups([groups, 1, 1]);
     g.compute("visibility/pool-clusters")
@@ -95,7 +99,7 @@ pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point
         partitions: vpls.count,
     };
     g.compute("visibility/vpl-views")
-        .reads("vpls", vpls.points)
+        .reads("places", vpls.places)
         .reads("areas", vpls.areas)
         .reads("clusters", cluster_table)
         .writes("views", views)
@@ -107,7 +111,7 @@ pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point
         .params(&SharesParams { count: vpls.count, points: all })
         .dispatch_groups([1, 1, 1]);
     g.compute("visibility/points-adaptive")
-        .reads("vpls", vpls.points)
+        .reads("places", vpls.places)
         .reads("pool", pool)
         .reads("areas", areas)
         .reads("clusters", cluster_table)
@@ -115,6 +119,7 @@ pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point
         .reads("begins", points.begins)
         .writes("points", points.points)
         .writes("fill", points.fill)
+        .constant("THIN", thin)
         .params(&AdaptiveParams { diagonal, each, clusters, groups, seed: around.wants.seed })
         .dispatch_groups([vpls.count, 1, 1]);
     points

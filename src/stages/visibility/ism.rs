@@ -14,7 +14,7 @@ shader_struct! {
         size: [i32; 2],
     }
 
-    /// `glsl/visibility/splat.glsl`.
+    /// `glsl/visibility/splat.geom`.
     struct SplatBlock {
         size: [i32; 2],
         columns: u32,
@@ -112,7 +112,7 @@ fn collected(config: &VisibilityConfig, count: u32) -> u32 {
 fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
     let points = match config.points {
         PointSet::Uniform => points::collect(g, around, vpls.count, config),
-        PointSet::Adaptive => adaptive::choose(g, around, vpls, config.point_count, collected(config, vpls.count)),
+        PointSet::Adaptive => adaptive::choose(g, around, vpls, config.point_count, collected(config, vpls.count), config.thin),
     };
     let [columns, rows] = layout(vpls.count);
     let size = [columns * config.map_size, rows * config.map_size];
@@ -157,7 +157,7 @@ impl Drawing<'_> {
         pass.reads("points", points.points)
             .reads("begins", points.begins)
             .reads("fill", points.fill)
-            .reads("vpls", vpls.points)
+            .reads("places", vpls.places)
             .constant("MAP_SIZE", config.map_size)
             .constant("DISTORTION", config.distortion)
             .constant("ROUND", !config.normals)
@@ -202,10 +202,11 @@ fn splat(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &Visibili
     let patches = around.residents.triangles().table.patch_list(g, around.scene, "visibility/patches", max_area);
     let params = PointsParams { max_area, diagonal, partitions: vpls.count, capacity: 0, seed: around.wants.seed };
     // A geometry stage that may give many points is slow even where it gives one.
-    let name = if collected > 1 { "visibility/splat-several" } else { "visibility/splat" };
-    g.raster(name)
+    let most = if collected > 1 { "visibility/most-several" } else { "visibility/most-one" };
+    g.raster("visibility/splat")
+        .part("most", most)
         .reads("draws", around.scene.draws)
-        .reads("vpls", vpls.points)
+        .reads("places", vpls.places)
         .reads("splat", block)
         .constant("THIN", config.thin)
         .constant("MAP_SIZE", config.map_size)

@@ -48,25 +48,21 @@ pub(super) fn fill(g: &mut Graph, pixels: Image, tilts: Option<Image>, config: &
     let levels = config.map_size.ilog2() as usize;
     let size = |level: usize| pixels.size.map(|n| n >> level);
     let signed = |level: usize| size(level).map(|n| n as i32);
-    let (format, shaders) = match tilts {
-        None => (Format::Rg32Uint, ["visibility/pull-first", "visibility/pull", "visibility/push", "visibility/push-last"]),
-        Some(_) => (
-            Format::Rgba32Uint,
-            ["visibility/pull-first-normals", "visibility/pull-normals", "visibility/push-normals", "visibility/push-last-normals"],
-        ),
+    let (format, disk) = match tilts {
+        None => (Format::Rg32Uint, "visibility/disk-facing"),
+        Some(_) => (Format::Rgba32Uint, "visibility/disk-tilted"),
     };
-    let [pull_first, pull, push, push_last] = shaders;
     let pulled: Vec<Image> = (1..=levels).map(|level| g.image(&format!("visibility/pulled-{level}"), format, size(level))).collect();
     for level in 1..=levels {
-        let mut pass = g.compute(PULL[level - 1]);
+        let mut pass = g.compute(PULL[level - 1]).part("disk", disk);
         pass = if level == 1 {
-            let first = pass.shader(pull_first).reads("finer", pixels);
+            let first = pass.shader("visibility/pull-first").reads("finer", pixels);
             first.constant("MAP_SIZE", config.map_size).constant("DISTORTION", config.distortion)
         } else {
-            pass.shader(pull).reads("finer", pulled[level - 2])
+            pass.shader("visibility/pull").reads("finer", pulled[level - 2])
         };
         if let (1, Some(tilts)) = (level, tilts) {
-            pass = pass.reads("tilts", tilts);
+            pass = pass.part("extent", "visibility/extent-tilted").reads("tilts", tilts);
         }
         pass.writes("coarser", pulled[level - 1]).params(&PullParams { size: signed(level), texel: (1u32 << level) as f32 }).dispatch([
             size(level)[0],
@@ -76,11 +72,11 @@ pub(super) fn fill(g: &mut Graph, pixels: Image, tilts: Option<Image>, config: &
     }
     let maps = g.image("visibility/maps", Format::R32Float, pixels.size);
     for level in (0..levels).rev() {
-        let pass = g.compute(PUSH[level]);
+        let pass = g.compute(PUSH[level]).part("disk", disk);
         let pass = if level == 0 {
-            pass.shader(push_last).reads("finer", pixels).writes("maps", maps)
+            pass.shader("visibility/push-last").reads("finer", pixels).writes("maps", maps)
         } else {
-            pass.shader(push).updates("finer", pulled[level - 1])
+            pass.shader("visibility/push").updates("finer", pulled[level - 1])
         };
         // An invocation fills the four texels around a corner of the coarser level's.
         pass.reads("coarser", pulled[level])

@@ -28,7 +28,7 @@ pub(super) fn render(g: &mut Graph, traced: &TracedHandles, gbuffer: &GBuffer, v
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
         .reads("normal", gbuffer.normal)
-        .reads("points", vpls.points)
+        .reads("places", vpls.places)
         .reads("areas", vpls.areas)
         .writes("visible", visible)
         .constant("INTERLEAVE", interleave.side())

@@ -5,7 +5,7 @@ use super::{Surroundings, Visibility, VisibilityConfig, ism};
 use crate::graph::Graph;
 use crate::shader_struct;
 use crate::stages::facts::planned_turns;
-use crate::stages::vpls::{VplPoint, Vpls};
+use crate::stages::vpls::{VplPlace, Vpls};
 
 shader_struct! {
     struct ProxiesParams {
@@ -33,21 +33,21 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, maps:
     let count = blocks[0] * blocks[1] * around.rsm.layers;
     let proxies = Vpls {
         count,
-        points: g.buffer::<VplPoint>("visibility/proxies", count),
+        places: g.buffer::<VplPlace>("visibility/proxies", count),
         areas: g.buffer::<f32>("visibility/proxy-areas", count),
         ..*vpls
     };
     let labels = g.buffer::<u32>("visibility/labels", vpls.count);
     g.compute("visibility/proxies")
-        .reads("points", vpls.points)
+        .reads("places", vpls.places)
         .reads("areas", vpls.areas)
-        .writes("proxy_points", proxies.points)
+        .writes("proxy_places", proxies.places)
         .writes("proxy_areas", proxies.areas)
         .writes("labels", labels)
         .params(&ProxiesParams { size: around.rsm.size, blocks, count: vpls.count, proxies: count })
         .dispatch([count, 1, 1]);
     match ism::render(g, around, &proxies, config) {
-        Visibility::Ism(ism) => Visibility::SharedIsm { ism, labels, proxies: proxies.points },
+        Visibility::Ism(ism) => Visibility::SharedIsm { ism, labels, proxies: proxies.places },
         other => unreachable!("imperfect shadow maps are no {other:?}"),
     }
 }

@@ -1,0 +1,2 @@
+// The scene for one cluster.
+uint layer_of() { return params.layer; }

@@ -1,0 +1,24 @@
+// 2 x 2 pixels of a sample set, INTERLEAVE apart: an invocation fetches a VPL once for all four. Whoever includes it has
+//     struct Pixel; // its Receiver is `at`
+//     Pixel pixel_at(ivec2 place);
+//     void store(Pixel p);
+struct Quad {
+    Pixel a;
+    Pixel b; // to the right
+    Pixel c; // below
+    Pixel d;
+};
+
+Quad quad_at(ivec2 place) {
+    const int STEP = int(INTERLEAVE);
+    return Quad(pixel_at(place), pixel_at(place + ivec2(STEP, 0)), pixel_at(place + ivec2(0, STEP)), pixel_at(place + ivec2(STEP, STEP)));
+}
+
+vec4 distances_of(Quad q) { return vec4(q.a.at.distance, q.b.at.distance, q.c.at.distance, q.d.at.distance); }
+
+void store(Quad q) {
+    store(q.a);
+    store(q.b);
+    store(q.c);
+    store(q.d);
+}

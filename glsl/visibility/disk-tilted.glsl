@@ -1,0 +1,29 @@
+// With normals a point is a tilted disk: an ellipse to the VPL, whose depth runs as its plane's.
+#include "visibility/pulled.glsl"
+#include "visibility/tilt.glsl"
+
+// The ellipses reach far enough.
+const float SPREAD = 0.0;
+
+#define PULLED_FORMAT rgba32ui
+uvec4 pulled_words(Pulled p) { return uvec4(pack_pulled(p), pack_tilt(p.tilt), 0u); }
+
+Pulled pulled_from(uvec4 words) {
+    Pulled p = unpack_pulled(words.xy);
+    p.tilt = unpack_tilt(words.z);
+    return p;
+}
+
+bool reaches(Pulled p, vec2 way, ivec2 texel, int tile, float scale, out float depth) {
+    float facing = facing_of(p.tilt);
+    // Along the tilt the disk looks narrower, by the cosine. Where it lies in its texel is not known.
+    float along = dot(way, p.tilt) * inversesqrt(max(dot(p.tilt, p.tilt), 1e-6));
+    float across = max(dot(way, way) - along * along, 0.0);
+    float snapped = SNAPPED * scale;
+    float wide = p.radius * p.radius + snapped * snapped, narrow = p.radius * p.radius * facing * facing + snapped * snapped;
+    // What a texel comes to as an angle.
+    vec2 place = (vec2(texel & (tile - 1)) + 0.5) * (2.0 / float(tile)) - 1.0;
+    vec2 turned = way * (4.0 / (float(tile) * (1.0 + dot(place, place))));
+    depth = p.depth * clamp(facing / max(facing - dot(p.tilt, turned), 1e-3), 0.5, 2.0);
+    return along * along * wide + across * narrow <= wide * narrow;
+}

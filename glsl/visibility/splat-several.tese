@@ -1,4 +1,0 @@
-#version 460
-#extension GL_EXT_scalar_block_layout : require
-#extension GL_GOOGLE_include_directive : require
-#include "visibility/patch-evaluation.glsl"

@@ -1,0 +1,107 @@
+//! Conservative clusters, a rival of stochastic light culling by tiles (Tokuyoshi and Harada 2017, table 2): the same VPLs, ranges and sums, by
+//! froxels that the VPLs' bounds are rasterized into.
+
+use super::Indirect;
+use super::shells::Shell;
+use super::stochastic::{Ranges, Roulette, StochasticParams, bounds, is_coated, ranges, statistics};
+use crate::config::{GatherConfig, Rasterization};
+use crate::gpu::Format;
+use crate::graph::Graph;
+use crate::shader_struct;
+use crate::stages::interleave::Interleave;
+use crate::stages::visibility::Surroundings;
+use crate::stages::vpls::Vpls;
+
+shader_struct! {
+    struct ShellListsParams {
+        count: u32,
+        capacity: u32,
+    }
+}
+
+/// Pixels of a tile's side, and slices of its depth: `glsl/gather/shell-froxel.glsl`.
+const TILE: u32 = 16;
+const SLICES: u32 = 32;
+
+/// Bytes of what [`conservative_clusters`] keeps of one kind of VPLs: two words for each and each tile of its sample set.
+pub(super) fn shell_bytes(size: [u32; 2], interleave: Interleave, vpls: u32) -> u64 {
+    let [across, down] = interleave.pixels_of_set(size).map(|side| u64::from(side.div_ceil(TILE)));
+    8 * across * down * u64::from(vpls)
+}
+
+/// Light lists of froxels, which the VPLs' bounds are conservatively rasterized into (Oertegren and Persson 2016): 20 triangles each. Counts
+/// `gather/nodes` of the lists and `gather/lost`, those that found no room.
+pub(super) fn conservative_clusters(
+    g: &mut Graph,
+    around: Surroundings<'_>,
+    vpls: &Vpls,
+    roulette: Roulette,
+    config: &GatherConfig,
+) -> Indirect {
+    let (gbuffer, shells, interleave) = (around.gbuffer, around.residents.shells(), around.wants.interleave);
+    let Ranges { spheres, spheroids, chances, lobes } = ranges(g, gbuffer, vpls, roulette, config);
+    let n = interleave.side();
+    let tiles = interleave.pixels_of_set(gbuffer.size).map(|side| side.div_ceil(TILE));
+    let in_set = tiles[0] * tiles[1];
+    let touched = g.image("gather/touched", Format::R32Float, tiles.map(|side| side * n));
+    let shells_of = |there: bool| if there { vpls.count * in_set } else { 1 };
+    let diffuse_shells = g.zeroed::<[u32; 2]>("gather/diffuse-shells", shells_of(vpls.diffuse));
+    let glossy_shells = g.zeroed::<[u32; 2]>("gather/glossy-shells", shells_of(vpls.lobes.is_some()));
+    let by_extension = config.rasterization.resolved(shells.conservative()) == Rasterization::Extension;
+    let lists = bounds(g, shells, vpls, if by_extension { Shell::Corners } else { Shell::Twenty }, false);
+    let pass = match by_extension {
+        true => {
+            let corners = shells.corners(g, "gather/corners");
+            g.raster("gather/shells").shader("gather/shells-extension").reads("corners", corners).conservatively()
+        }
+        false => g.raster("gather/shells"),
+    };
+    pass.reads("view", gbuffer.view)
+        .reads("spheres", spheres)
+        .reads("spheroids", spheroids)
+        .updates("diffuse_shells", diffuse_shells)
+        .updates("glossy_shells", glossy_shells)
+        .constant("INTERLEAVE", n)
+        .color("touched", touched, [0.0; 4])
+        .draw(lists);
+    let heads = g.buffer::<[u32; 2]>("gather/heads", interleave.sets() * in_set * SLICES);
+    let nodes = g.buffer::<[u32; 2]>("gather/list-nodes", config.nodes);
+    let (used, lost) = (g.count("gather/nodes"), g.count("gather/lost"));
+    g.compute("gather/shell-lists")
+        .reads("view", gbuffer.view)
+        .reads("diffuse_shells", diffuse_shells)
+        .reads("glossy_shells", glossy_shells)
+        .writes("heads", heads)
+        .writes("nodes", nodes)
+        .updates("used", used)
+        .updates("lost", lost)
+        .constant("INTERLEAVE", n)
+        .constant("DIFFUSE", vpls.diffuse)
+        .constant("LOBES", vpls.lobes.is_some())
+        .params(&ShellListsParams { count: vpls.count, capacity: config.nodes })
+        .dispatch_groups([tiles[0], tiles[1], interleave.sets()]);
+    let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
+    let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.statistics { gbuffer.size } else { [1, 1] });
+    let groups = interleave.groups(gbuffer.size, [8, 8]);
+    g.compute("gather/conservative-clusters")
+        .reads("view", gbuffer.view)
+        .reads("depth", gbuffer.depth)
+        .reads("normal", gbuffer.normal)
+        .reads("places", vpls.places)
+        .reads("intensities", vpls.intensities)
+        .reads("lobes", lobes)
+        .reads("chances", chances)
+        .reads("heads", heads)
+        .reads("nodes", nodes)
+        .writes("numbers", numbers)
+        .writes("irradiance", irradiance)
+        .constant("INTERLEAVE", n)
+        .constant("STATISTICS", config.statistics)
+        .constant("COATED", is_coated(vpls, around.wants.dielectric))
+        .params(&StochasticParams::of(vpls, config))
+        .dispatch_groups([groups[0], groups[1], 1]);
+    if config.statistics {
+        statistics(g, gbuffer, numbers);
+    }
+    Indirect { irradiance, reflection: None, pattern: interleave }
+}

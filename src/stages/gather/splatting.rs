@@ -1,0 +1,50 @@
+//! Splatting, a rival of stochastic light culling by tiles (Tokuyoshi and Harada 2017, table 2): the same VPLs, ranges and sums, by drawing every
+//! VPL's bounds over the pixels that it may shine on.
+
+use super::Indirect;
+use super::shells::Shell;
+use super::stochastic::{Ranges, Roulette, StochasticParams, bounds, is_coated, ranges};
+use crate::config::GatherConfig;
+use crate::gpu::Format;
+use crate::graph::Graph;
+use crate::shader_struct;
+use crate::stages::visibility::Surroundings;
+use crate::stages::vpls::Vpls;
+
+shader_struct! {
+    struct ReorderParams {
+        size: [i32; 2],
+    }
+}
+
+/// Every VPL's bounds are drawn, and add its light to the pixels that they cover (Dachsbacher and Stamminger 2006): 80 triangles each.
+pub(super) fn splatting(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, roulette: Roulette, config: &GatherConfig) -> Indirect {
+    let (gbuffer, shells, interleave) = (around.gbuffer, around.residents.shells(), around.wants.interleave);
+    let Ranges { spheres, spheroids, chances, lobes } = ranges(g, gbuffer, vpls, roulette, config);
+    let n = interleave.side();
+    let sorted = g.image("gather/sorted", Format::Rgba32Float, interleave.pixels_of_set(gbuffer.size).map(|side| side * n));
+    let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
+    let lists = bounds(g, shells, vpls, Shell::Eighty, true);
+    g.raster("gather/splatting")
+        .reads("view", gbuffer.view)
+        .reads("depth", gbuffer.depth)
+        .reads("normal", gbuffer.normal)
+        .reads("places", vpls.places)
+        .reads("intensities", vpls.intensities)
+        .reads("lobes", lobes)
+        .reads("spheres", spheres)
+        .reads("spheroids", spheroids)
+        .reads("chances", chances)
+        .constant("INTERLEAVE", n)
+        .constant("COATED", is_coated(vpls, around.wants.dielectric))
+        .params(&StochasticParams::of(vpls, config))
+        .color_sum("sum", sorted)
+        .draw(lists);
+    g.compute("gather/reorder")
+        .reads("sorted", sorted)
+        .writes("irradiance", irradiance)
+        .constant("INTERLEAVE", n)
+        .params(&ReorderParams { size: gbuffer.size.map(|side| side as i32) })
+        .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
+    Indirect { irradiance, reflection: None, pattern: interleave }
+}
