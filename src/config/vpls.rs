@@ -32,6 +32,8 @@ pub enum VplSampler {
     Regular,
     /// A Hammersley point set, shuffled by a fixed permutation.
     Hammersley,
+    /// Halton points over light, column and row: a light's share of the VPLs is left to chance.
+    Uniform,
     /// All texels.
     EveryTexel,
 }
@@ -64,7 +66,7 @@ impl Config {
     /// VPLs of the first bounce, where the reflective shadow map has so many layers.
     pub fn vpl_count(&self, layers: u32) -> u32 {
         match self.vpls.sampler {
-            VplSampler::Regular | VplSampler::Hammersley => self.vpls.count,
+            VplSampler::Regular | VplSampler::Hammersley | VplSampler::Uniform => self.vpls.count,
             VplSampler::EveryTexel => self.rsm.size[0].saturating_mul(self.rsm.size[1]).saturating_mul(layers),
         }
     }

@@ -84,7 +84,7 @@ impl Choice for VplSampler {
 
     fn needs(self) -> Needs {
         match self {
-            Self::Regular | Self::Hammersley | Self::EveryTexel => NOTHING,
+            Self::Regular | Self::Hammersley | Self::Uniform | Self::EveryTexel => NOTHING,
         }
     }
 }
@@ -111,6 +111,7 @@ pub fn sample(g: &mut Graph, rsm: &Rsm, _gbuffer: &GBuffer, config: &VplsConfig)
         (VplSampler::Regular, _) => ("vpls/regular", config.count),
         (VplSampler::Hammersley, None) => ("vpls/hammersley", config.count),
         (VplSampler::Hammersley, Some(_)) => ("vpls/important", config.count),
+        (VplSampler::Uniform, _) => ("vpls/uniform", config.count),
         (VplSampler::EveryTexel, _) => ("vpls/every-texel", rsm.size[0] * rsm.size[1] * rsm.layers),
     };
     from_texels(g, pass, rsm, distribution, count, config.reflection != Reflection::Glossy)

@@ -58,6 +58,27 @@ fn vpls_of_every_sampler_keep_the_contract() {
     finish(renderer.gpu());
 }
 
+#[test]
+fn the_flux_of_every_sampler_is_that_of_all_texels() {
+    let (mut renderer, mut config) = room_with_dark_parts();
+    config.vpls.count = 1000;
+    let mut flux = |name: &str| {
+        config.vpls.sampler = serde_json::from_value(name.into()).unwrap();
+        renderer.check(&config).unwrap();
+        let (passes, _) = renderer.names(&config).unwrap();
+        let dump = passes.into_iter().filter(|pass| pass.starts_with("vpls/")).map(str::to_owned).collect();
+        let rendered = renderer.render(&config, 0, false, &Execution { dump, ..Execution::default() }).unwrap();
+        pod::<[f32; 3]>(&rendered, "vpls/intensities").iter().map(|intensity| f64::from(intensity[0])).sum::<f64>()
+    };
+    let all = flux("every-texel");
+    for name in choices("vpls.sampler") {
+        let share = flux(name) / all;
+        println!("{name}: {share}");
+        assert!((share - 1.0).abs() < 0.05, "{name}: {share} of the flux of all texels");
+    }
+    finish(renderer.gpu());
+}
+
 fn keeps_the_contract(rendered: &Rendered, count: usize, reflection: Reflection, importance: Importance, what: &str) {
     let places: Vec<VplPlace> = pod(rendered, "vpls/places");
     let intensities: Vec<[f32; 3]> = pod(rendered, "vpls/intensities");
