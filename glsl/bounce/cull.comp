@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Which parts of the scene lie before which clusters: an instance for each of these, or for each group of so many in which there is one. What
-// lies behind a cluster's plane is not in its map.
+// Culling of the scene's parts by VPL clusters: a part gets an instance for each cluster, or group of clusters, whose hemisphere it reaches into. A
+// cluster's map does not show what lies behind the cluster's plane.
 #include "bounce/vpl-cluster.glsl"
 #include "bounce/limits.glsl"
 #include "lib/packing.glsl"
@@ -16,7 +16,7 @@ layout(scalar, push_constant) uniform Params {
     uint first;    // cluster, and how many of them
     uint clusters;
     float far;     // metres
-    uint all;      // not 0 where everything is to be drawn
+    uint all;      // not 0 if everything is to be drawn
 } params;
 
 struct Arguments {
@@ -42,7 +42,7 @@ void main() {
         for (uint k = begin; k < min(begin + GROUP, params.first + params.clusters); k++) {
             VplCluster cluster = clusters.at[k];
             vec3 n = octahedral_snorm16_inverse(cluster.normal);
-            // Of the box's corner that is farthest along the normal.
+            // The height of the box's corner that is farthest along the normal.
             float height = dot(n, middle - cluster.position) + dot(abs(n), reach);
             seen = seen || (cluster.members > 0u && height > LEAST_HEIGHT * params.far);
         }

@@ -40,7 +40,7 @@ void main() {
     vec3 local[3];
     for (int i = 0; i < 3; i++) local[i] = map_space(cluster, in_world[i]);
     float least = LEAST_HEIGHT * params.far;
-    // Behind the cluster, or it has nobody.
+    // Nothing is before a cluster's plane, or the cluster has no members.
     if (max(max(local[0].z, local[1].z), local[2].z) <= least || cluster.members == 0u) return;
     for (int i = 0; i < 3; i++) {
         gl_Layer = int(layer);

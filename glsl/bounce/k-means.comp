@@ -1,9 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Clusters of VPLs by place and normal (Aranha et al., section III-B; the distance is Dong et al.'s, with the sign that its purpose
-// asks for). One workgroup: VPLs are shared out among its invocations for the distances, clusters and parts of the VPLs for the
-// sums, whose order is fixed.
+// k-means over the VPLs' places and normals (Aranha et al., section III-B; the distance is Dong et al.'s, with the sign that its purpose
+// asks for). One workgroup. Its invocations share out the VPLs for the distances, and clusters and parts of the VPLs for the sums, whose
+// order is fixed.
 #include "bounce/vpl-cluster.glsl"
 #include "lib/packing.glsl"
 #include "lib/pi.glsl"
@@ -13,7 +13,7 @@
 const uint INVOCATIONS = 256u;
 layout(local_size_x = 256) in;
 layout(constant_id = 0) const bool RESEED = false;       // every frame starts from other centres
-layout(constant_id = 1) const bool NEAREST_MEMBER = true; // stands for its cluster, not the mean
+layout(constant_id = 1) const bool NEAREST_MEMBER = true; // represents its cluster, not the mean
 
 layout(scalar, push_constant) uniform Params {
     uint count;     // VPLs
@@ -25,7 +25,7 @@ layout(scalar, push_constant) uniform Params {
     uint seed;
 } params;
 
-// What stays from frame to frame; all zeros at first.
+// A cluster's history; zeros in the first frame.
 struct Centre {
     vec3 position;
     vec3 normal;
@@ -202,7 +202,7 @@ void main() {
         if (moved) atomicAdd(unsettled.count, 1u);
     }
 
-    // What stands for each cluster, and its flux: that goes on by the share which the map of that place will find to meet something.
+    // Each cluster's representative and flux. The representative's map will find a share of the light to stay in the scene, so the flux is over that.
     vec4 weighed = vec4(0.0);
     vec3 more = vec3(0.0);
     for (uint i = begin; i < end; i++) {
@@ -236,7 +236,7 @@ void main() {
         weights[me] = usual;
     }
     barrier();
-    // One that sees about as much of the scene as the others.
+    // The representative sees about as much of the scene as the other members.
     float least = 0.0;
     uint chosen = NO_CLUSTER;
     for (uint i = begin; i < end; i++) {
@@ -267,7 +267,7 @@ void main() {
     }
     clusters.at[me] = cluster;
     centres.at[me] = Centre(place[me], facing[me]);
-    // Without any light there is nothing to go on from.
+    // Frames without light leave no centres.
     if (me == 0u) {
         bool any_lit = false;
         for (uint p = 0u; p < parts(); p++) {

@@ -1,7 +1,7 @@
-// All light of VPLs may stay in the scene, and each VPL counts as much as any other, as in the paper. Each part for "kept" defines these.
+// VPLs count equally in k-means, as in the paper, and all their light may stay in the scene. Each part for "kept" defines these functions.
 
-// The share of what VPL i reflects that is thought to stay in the scene.
+// Share of VPL i's light that is thought to stay in the scene.
 float kept(uint i) { return 1.0; }
 
-// How much VPL i counts in its cluster's middle.
+// Weight of VPL i in its cluster's mean.
 float counts(uint i) { return 1.0; }

@@ -1,2 +1,2 @@
-// The scene for one cluster.
+// One layer a pass.
 uint layer_of() { return params.layer; }

@@ -1,9 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// VPLs where the light of clusters falls: samples of their maps, over the unit disk or, as a rival, the square around it (Aranha et
-// al., section III-C). A cluster radiates its flux by the cosine; a sample stands for its share of the disk's area, of the
-// solid angle 4 / (1 + r^2)^2 times that.
+// VPLs of the next bounce: samples of the clusters' maps, over the unit disk or, as a rival, the square around it (Aranha et al., section III-C). A
+// cluster radiates its flux by the cosine. A sample stands for its share of the disk's area, and for 4 / (1 + r^2)^2 times that as a solid angle.
 #include "bounce/map.glsl"
 #include "lib/hammersley.glsl"
 #include "lib/permutation.glsl"
@@ -33,7 +32,7 @@ layout(scalar) buffer Lit { uint count; } lit;
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= params.count) return;
-    // So that pixels' sample sets get some of every cluster's.
+    // Permuted, so that each sample set gets VPLs of every cluster.
     uint sample_index = permutation(index, params.count);
     uint number = 0u;
     while (starts.at[number + 1u] <= sample_index) number++;
@@ -64,7 +63,7 @@ void main() {
             place.normal = octahedral_snorm16(octahedral_inverse(texelFetch(normals, texel, 0).xy));
             float cosine = (1.0 - squared) / (1.0 + squared), solid_angle = 4.0 * area / ((1.0 + squared) * (1.0 + squared));
             intensity = cluster.flux * (cosine * solid_angle / PI) * texelFetch(albedos, texel, 0).rgb / PI;
-            // The beam's width there, which is not less than what comes from all of the cluster's places has.
+            // The beam's cross section. Light comes from all of the cluster's places, so it is no narrower than they are spread.
             beam = solid_angle * (d * d + cluster.spread);
         }
     }

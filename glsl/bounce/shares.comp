@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// How many VPLs of the next bounce each cluster gets: as many as any other, or by the flux that it passes on, so that VPLs are about as strong
-// as one another and none are spent on what sees the sky. One workgroup, which estimates that flux with a few samples of each map.
+// Numbers of VPLs of the next bounce that clusters get: equal ones, or in proportion to the flux that each cluster sends on. In proportion, VPLs are about
+// equally strong, and none are spent on clusters that see the sky. One workgroup estimates the flux with a few samples of each map.
 #include "bounce/map.glsl"
 #include "lib/color.glsl"
 #include "lib/hammersley.glsl"

@@ -1,4 +1,4 @@
-// What a texel of a cluster's map holds: distance, geometric normal turned to the cluster, and albedo (Aranha et al., section III-C).
+// A texel of a cluster's map: distance, geometric normal turned to the cluster, and albedo (Aranha et al., section III-C).
 #include "bounce/map.glsl"
 #include "lib/scene.glsl"
 
@@ -44,7 +44,7 @@ void main() {
         metallic *= texture(metallic_roughness_map, map_coordinates(material.metallic_roughness_map, in_uv), params.albedo_lod).b;
     }
 
-    // Edges bend, and with them what is interpolated; but it bends within the triangle's plane, which says how far off it is along the
+    // Edges bend in this projection, and interpolated places with them, but within the triangle's plane. The plane gives the distance along the
     // texel's own direction.
     vec3 along = paraboloid_inverse(gl_FragCoord.xy * params.texel_size - 1.0);
     vec3 n = normalize(cross(dFdx(in_local), dFdy(in_local)));

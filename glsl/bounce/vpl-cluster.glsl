@@ -1,8 +1,8 @@
-// A cluster of VPLs: the place that its map is rendered from and that its light is bounced on from.
+// A VPL cluster: the place of its representative, from which its map is rendered and its light sent on.
 struct VplCluster {
     vec3 position;
     uint normal;  // octahedral_snorm16
-    vec3 flux;    // that its VPLs reflect, W; each by the share that stays in the scene, over that of the place
+    vec3 flux;    // of its VPLs, W: the sum of flux_i * kept_i / kept_representative; kept = share that stays in the scene, 1 if unknown
     uint members;
     float spread; // mean square of their distance from the cluster's mean, m^2
 };

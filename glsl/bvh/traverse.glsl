@@ -70,7 +70,7 @@ Hit traverse(Ray ray, uint root, float t_min, float t_max, bool any, bool from_c
                 bool into_a = max(ta.x, t_min) <= min(ta.y, hit.t), into_b = max(tb.x, t_min) <= min(tb.y, hit.t);
                 bool a_first = ta.x <= tb.x;
                 // Few branches: a driver that runs all lanes together takes both sides of each, and branches for each lane of a
-                // store. This one needs no condition, since what lies above the top is never read.
+                // store. Stored unconditionally: `top` moves only if both children are hit; otherwise the next push overwrites the entry.
                 bool both = into_a && into_b;
                 at = both ? (a_first ? a.w : b.w) : into_a ? a.w : b.w;
                 stack[top] = a_first ? b.w : a.w;

@@ -1,4 +1,4 @@
-// The indirect light is darkened where surfaces nearby stand in its way.
+// Ambient occlusion from an image.
 layout(r32f) readonly uniform image2D visible;
 
 float indirect_share(ivec2 pixel) { return imageLoad(visible, pixel).r; }

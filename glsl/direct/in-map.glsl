@@ -1,9 +1,8 @@
-// Shadows from the maps. Whoever includes it defines
+// Visibility from the lights' shadow maps. Whoever includes it defines the share of light that arrives at a distance along the map's axis:
 //     float shadow(Light light, uint layer, vec2 uv, float distance);
-// the share of light that arrives at a distance along the map's axis.
 float shadow(Light light, uint layer, vec2 uv, float distance);
 
-// The share of a light's map that reaches a point: none outside of the map.
+// The share of the light that arrives at a point; none outside of the light's map.
 float visibility(Light light, uint layer, vec3 x, vec3 n) {
     // The point itself says which map it is in: the one lifted below may leave it at a spot's rim or a seam of a point light.
     vec4 clip = light.world_to_clip * vec4(x, 1.0);

@@ -1,9 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Direct light at a pixel. A part for "shadow" defines
+// Direct light at a pixel. A part for "shadow" defines the share of a light, or of one face of a point light, that arrives at a point of a surface:
 //     float visibility(Light light, uint layer, vec3 x, vec3 n);
-// the share of a light, or of one face of a point light, that arrives at a point of a surface.
 #include "gbuffer/receiver.glsl"
 #include "lib/brdf.glsl"
 #include "lib/color.glsl"

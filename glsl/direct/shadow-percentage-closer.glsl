@@ -1,4 +1,4 @@
-// Shadows by percentage-closer filtering (Reeves et al. 1987) over a window of 2 radius + 1 texels.
+// Percentage-closer filtering (Reeves et al. 1987) over a window of 2 radius + 1 texels.
 #include "direct/in-map.glsl"
 
 uniform sampler2DArray rsm_depth;

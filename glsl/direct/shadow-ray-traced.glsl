@@ -1,4 +1,4 @@
-// Shadows by rays: exact.
+// Shadow rays: exact.
 #include "bvh/hole.glsl"
 
 float visibility(Light light, uint layer, vec3 x, vec3 n) {

@@ -1,4 +1,4 @@
-// Shadows by variance shadow maps (Donnelly and Lauritzen 2006).
+// Variance shadow maps (Donnelly and Lauritzen 2006).
 #include "direct/in-map.glsl"
 
 uniform sampler2DArray moments;

@@ -1,12 +1,11 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// One direction of a separable filter that keeps to a pixel's own surface. A part for "weights" defines
+// One direction of a separable filter that keeps to a pixel's own surface. A part for "weights" defines the weight of a pixel by its offset, 0 from the
+// radius on, and by its surface: its distance from the filtered pixel's tangent plane, over `plane_distance`, and the cosine between the normals. The second
+// weight is 1 for the pixel itself.
 //     float weight_of(int offset, int radius);
-// how much a pixel so far off counts: nothing from the radius on; and
 //     float likeness(float off_plane, float cosine, float min_cosine);
-// how much one counts whose distance from the pixel's tangent plane is that many times `plane_distance`, and whose normal has that cosine to
-// the pixel's, which is 1 for the pixel itself.
 #include "lib/packing.glsl"
 #include "lib/view.glsl"
 

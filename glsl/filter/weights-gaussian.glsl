@@ -1,5 +1,5 @@
-// Weights fall as a Gaussian's (Aranha et al., section III-D) whose standard deviation is a third of the radius. Cut off there, they sum to
-// the same over every sample set, to a hundredth, where the radius is twice the interleaving's n.
+// A bilateral filter with a Gaussian's weights (Aranha et al., section III-D); the standard deviation is a third of the radius. With twice the
+// interleaving's n as the radius they sum to the same over every sample set, to a hundredth.
 float weight_of(int offset, int radius) {
     float deviations = 3.0 * float(offset) / float(radius);
     return exp(-0.5 * deviations * deviations);

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Pixels sum the VPLs on their froxel's lists.
+// The gather of conservative clusters: each pixel sums the VPLs on its froxel's lists.
 #include "gather/shadow-none.glsl"
 #include "gather/stochastic.glsl"
 #include "gather/shell-froxel.glsl"

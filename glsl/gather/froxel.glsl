@@ -1,9 +1,9 @@
 #ifndef FROXEL_GLSL
 #define FROXEL_GLSL
-// Parts of the view's frustum, and which VPLs shine into them.
+// Froxels, and the test whether a VPL shines into one.
 #include "lib/view.glsl"
 
-// What lies between two distances along the view's axis, in a rectangle of pixels.
+// The part of the view's frustum between two distances along its axis, within a rectangle of pixels.
 struct Frustum {
     vec3 eye;
     vec3 rays[4]; // to the rectangle's corners, of length 1 along the axis
@@ -26,7 +26,7 @@ Frustum frustum(View view, ivec2 low, ivec2 high, float near, float far) {
     return f;
 }
 
-// Whether a VPL sees any of the eight corners, and so perhaps something between them; nothing of an empty one.
+// Whether a VPL sees any of the eight corners, and so perhaps something between them. Nobody sees an empty part.
 bool is_lit(Frustum f, vec3 position, vec3 facing) {
     float from_eye = dot(facing, f.eye - position);
     float most = -1.0;

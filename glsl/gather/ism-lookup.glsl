@@ -1,4 +1,4 @@
-// What a map of points says of a receiver.
+// The look-up of a receiver in an imperfect shadow map.
 #include "lib/paraboloid.glsl"
 #include "visibility/ism.glsl"
 
@@ -12,8 +12,8 @@ layout(scalar) uniform IsmBlock {
 } ism;
 layout(r32f) readonly uniform image2D maps;
 
-// The map's axes and corner; the receiver's normal, and the way from it to the map's place, its squared length, and the cosines to the map's normal and
-// to the receiver's, both times the length.
+// The share of light that arrives. Given are the map's axes and corner; the receiver's normal; the way from there to the map's place, its squared length,
+// and the cosines to the map's normal and to the receiver's, both times the length.
 float lit_in_map(vec3 across, vec3 up, ivec2 corner, vec3 normal, vec3 way, float squared, float from, float to) {
     float d = sqrt(squared);
     // 2 (d + from) / size is what a texel's width comes to at the receiver.

@@ -1,5 +1,5 @@
-// Irradiance from virtual point lights. Pixels of an n x n pattern take one n^2-th of the VPLs each; a workgroup takes pixels n
-// apart, so that all of it runs through the same VPLs while it reads and writes the G-buffer's own pixels (Linke 2016, 4.5).
+// The gather per pixel, whatever its culling. Pixels of an n x n pattern take one n^2-th of the VPLs each (Linke 2016, section 4.5). A workgroup takes
+// pixels n apart, so that all its invocations run through the same VPLs while it reads and writes the G-buffer's own pixels.
 #include "part/shadow=gather/shadow-none"
 #include "gbuffer/receiver.glsl"
 #include "lib/color.glsl"
@@ -48,7 +48,7 @@ struct Vpl {
 Vpl vpl(uint index, bool there) {
     VplPlace place = places.at[index];
     vec3 facing = octahedral_snorm16_inverse(place.normal);
-    // Disks reach over their neighbours, as the kernels of a reconstruction do: as far as to the diagonal ones of a grid.
+    // Disks overlap their neighbours, as the kernels of a reconstruction do: they reach to the diagonal ones of a grid.
     float spread = 0.0;
     if (DISKS) spread = max(2.0 * areas.at[index], params.squared_min_distance);
     return Vpl(place.position, facing, there ? intensities.at[index] : vec3(0.0), spread, shadow_of(index, place.position, facing));
@@ -82,7 +82,7 @@ void shade_by(inout Quad q, Vpl mine, uint lane, uvec4 see) { shade(q, hand_roun
 // Neighbouring workgroups take the sample sets of the same block of pixels.
 uvec2 sample_set() { return gl_WorkGroupID.xy % INTERLEAVE; }
 
-// Of the pixels that a workgroup and those beside it with other sets share out.
+// First of the pixels that a workgroup and those beside it with other sets share out.
 ivec2 block_corner(uvec2 group) { return ivec2(group / INTERLEAVE * gl_WorkGroupSize.xy * 2u * INTERLEAVE); }
 
 ivec2 first_pixel() { return block_corner(gl_WorkGroupID.xy) + ivec2(gl_LocalInvocationID.xy * 2u * INTERLEAVE + sample_set()); }

@@ -1,4 +1,4 @@
-// 2 x 2 pixels of a sample set, INTERLEAVE apart: an invocation fetches a VPL once for all four. Whoever includes it has
+// 2 x 2 pixels of a sample set, INTERLEAVE apart: an invocation fetches a VPL once for all four. Whoever includes it defines a pixel and its end:
 //     struct Pixel; // its Receiver is `at`
 //     Pixel pixel_at(ivec2 place);
 //     void store(Pixel p);

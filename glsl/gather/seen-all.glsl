@@ -1,5 +1,3 @@
-// Pixels see every VPL. Each part for "seen" defines
-//     uvec4 seen(ivec2 pixel, uint index);
-// which of the set's VPLs pixels see from number `index` on: bit i of a word for VPL index + i, up to the next multiple of 32. The words are for the
-// given pixel, and those a step across, down, and both.
+// Pixels see every VPL. Each part for "seen" defines the bits of the set's VPLs that pixels see, from number `index` on: bit i for VPL index + i, up to
+// the next multiple of 32. The words are for the given pixel, and for those a step across, down, and both.
 uvec4 seen(ivec2 pixel, uint index) { return uvec4(~0u); }

@@ -1,4 +1,4 @@
-// A VPL is seen where the map of its VPL cluster has nothing nearer (Aranha et al., section III-C): what the cluster's place sees, its VPLs see.
+// A VPL is seen where the map of its cluster has nothing nearer (Aranha et al., section III-C): what the cluster's place sees, its VPLs see.
 #include "bounce/vpl-cluster.glsl"
 #include "lib/basis.glsl"
 #include "lib/packing.glsl"
@@ -40,10 +40,10 @@ Shadow hand_round(Shadow shadow, uint lane) {
 float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float to) {
     vec3 to_cluster = way + shadow.moved;
     float d = length(to_cluster);
-    // What lies behind the cluster's plane, and before its VPL's, is compared with the map's rim, the less so the farther behind: VPLs of a
-    // bent surface, such as a column, would all lose what their cluster's place cannot see.
+    // Receivers behind the cluster's plane, and before its VPL's, are compared with the map's rim, the less so the farther behind. Otherwise all
+    // VPLs of a bent surface, such as a column, would lose what their cluster's place cannot see.
     float above = -dot(cross(shadow.across, shadow.up), to_cluster), height = max(above, 0.0);
-    // Of what is nearer to the VPL than the cluster's place is, the map knows little, and little comes between.
+    // Receivers nearer to the VPL than the cluster's place is: the map knows little of them, and little comes between.
     float known = clamp(1.0 + 2.0 * above / max(d, 1e-12), 0.0, 1.0) * min(shadow.near * sqrt(squared), 1.0);
     vec2 lateral = -vec2(dot(shadow.across, to_cluster), dot(shadow.up, to_cluster));
     vec2 p = lateral / max(above < 0.0 ? length(lateral) : d + height, 1e-12);

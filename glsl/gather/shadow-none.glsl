@@ -1,10 +1,10 @@
 // VPLs without shadows. Each part for "shadow" defines Shadow, what a VPL's test needs, and these functions.
 struct Shadow { float none; };
 
-// Of VPL number `vpl`.
+// What the test of VPL number `vpl` needs.
 Shadow shadow_of(uint vpl, vec3 position, vec3 facing) { return Shadow(0.0); }
 
-// The one that invocation `lane` of the subgroup has.
+// The Shadow that invocation `lane` of the subgroup has.
 Shadow hand_round(Shadow shadow, uint lane) { return shadow; }
 
 // The share of the VPL's light that arrives at a receiver: the receiver's normal, `way` to the VPL, its squared length, and the cosines to the

@@ -28,7 +28,7 @@ Shadow hand_round(Shadow shadow, uint lane) {
 
 float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float to) {
     vec3 to_map = way + shadow.moved;
-    // What lies behind the map's plane is seen at its rim.
+    // Receivers behind the map's plane are looked up at its rim.
     return lit_in_map(shadow.across, shadow.up, shadow.corner, normal, to_map, dot(to_map, to_map),
                       max(-dot(cross(shadow.across, shadow.up), to_map), 0.0), max(dot(normal, to_map), 0.0));
 }

@@ -1,4 +1,4 @@
-// Froxels of pixels that are sorted by their sample sets: tiles of 16 x 16 of them, cut into 32 slices by distance (Oertegren and Persson 2016). From
+// Froxels of the sorted pictures: tiles of 16 x 16 of them, cut into 32 slices by distance (Oertegren and Persson 2016). From
 // a 64th of the scene's diagonal on slices grow by a constant factor.
 const uint SHELL_TILE = 16u;
 const uint SHELL_SLICES = 32u;

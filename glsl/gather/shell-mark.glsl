@@ -1,4 +1,4 @@
-// Marks the slices of a tile through which a triangle of a VPL's bounds may run.
+// Marks of the slices of a tile through which a triangle of a VPL's bounds may run.
 #include "gather/shell-triangle.glsl"
 
 layout(constant_id = 1) const bool GLOSSY = false; // which VPLs' bounds are drawn

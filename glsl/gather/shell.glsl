@@ -1,5 +1,5 @@
-// Pixels that are sorted by their sample sets: n x n pictures, each of every n-th pixel, side by side, into which the bounding geometry of VPLs'
-// ranges is drawn (Tokuyoshi and Harada 2017, figure 8).
+// Sorted pictures: one for each of the n x n sample sets, side by side, into which the bounding geometry of VPLs' ranges is drawn (Tokuyoshi and Harada
+// 2017, figure 8).
 #include "lib/view.glsl"
 
 layout(constant_id = 0) const uint INTERLEAVE = 1;

@@ -1,7 +1,7 @@
-// A VPL's light at a pixel, by chance (Tokuyoshi and Harada 2017, section 3): what tiles, splats and froxels of stochastic light culling
-// share. Whoever includes it has a part for "shadow", and defines
+// A VPL's light at a pixel, by chance (Tokuyoshi and Harada 2017, section 3): shared by tiles, splats and froxels of stochastic light culling.
+// Whoever includes it has a part for "shadow", and defines what a receiver's own gloss makes of irradiance that comes from a direction:
 //     float reflect_from(inout Pixel p, vec3 light, vec3 to_light);
-// what a receiver's own gloss makes of irradiance that comes from a direction, and the share that it leaves.
+// which adds the reflected radiance, and returns the share of the irradiance that is left.
 #include "gbuffer/receiver.glsl"
 #include "lib/lobe.glsl"
 #include "lib/color.glsl"
@@ -89,7 +89,7 @@ void shade(inout Pixel p, Diffuse it, float visible) {
     shade_diffuse(p, it.position, it.facing, it.intensity, it.incoming, it.xi, it.shadow, visible);
 }
 
-// And as a glossy one.
+// VPL number `index` as a glossy one, ready to shine.
 struct Glossy {
     vec3 position;
     vec3 facing;

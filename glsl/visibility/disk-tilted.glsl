@@ -1,4 +1,4 @@
-// With normals a point is a tilted disk: an ellipse to the VPL, whose depth runs as its plane's.
+// Points with normals: tilted disks, which the VPL sees as ellipses, and whose depth is that of their planes.
 #include "visibility/pulled.glsl"
 #include "visibility/tilt.glsl"
 
@@ -21,7 +21,7 @@ bool reaches(Pulled p, vec2 way, ivec2 texel, int tile, float scale, out float d
     float across = max(dot(way, way) - along * along, 0.0);
     float snapped = SNAPPED * scale;
     float wide = p.radius * p.radius + snapped * snapped, narrow = p.radius * p.radius * facing * facing + snapped * snapped;
-    // What a texel comes to as an angle.
+    // A texel as an angle.
     vec2 place = (vec2(texel & (tile - 1)) + 0.5) * (2.0 / float(tile)) - 1.0;
     vec2 turned = way * (4.0 / (float(tile) * (1.0 + dot(place, place))));
     depth = p.depth * clamp(facing / max(facing - dot(p.tilt, turned), 1e-3), 0.5, 2.0);

@@ -1,2 +1,2 @@
-// A map a point. Each part for "most" says how many the stage gives at most.
+// One map a point. Each part for "most" declares the geometry stage's output.
 layout(points, max_vertices = 1) out;

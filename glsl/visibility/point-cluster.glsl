@@ -1,13 +1,13 @@
-// Points of surfaces that are neighbours, as one.
+// A point cluster: neighbouring points of surfaces as one.
 struct PointCluster {
     vec3 center;
     vec3 vector_area; // sum of normals times areas, of the single-sided, m^2
-    float stray;      // what the others, and those whose normals cancel out, show to any side on the average, m^2
+    float stray;      // area that the others, and those whose normals cancel out, show to any side on the average, m^2
     float area;       // m^2
     vec3 extent;      // from the centre to the sides of its box
 };
 
-// About the solid angle that a VPL sees a cluster of points under.
+// The solid angle under which a VPL sees a point cluster, about.
 float cluster_view(PointCluster cluster, vec3 position, vec3 normal) {
     vec3 way = cluster.center - position;
     float squared = dot(way, way);

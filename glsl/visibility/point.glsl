@@ -98,8 +98,8 @@ uint hashed_index(uint hash, uint count) {
     return high;
 }
 
-// Points that stand for less than `max_area` are drawn by lot where small triangles are thinned, and stand for `max_area`: returns
-// the area, or 0 for those that are left out.
+// The area that a point stands for. If small triangles are thinned, a point of less than `max_area` is kept with probability area / max_area and
+// stands for `max_area`; otherwise it is left out, with area 0.
 float point_area(float area, float max_area, uint hash, bool thin) {
     if (!thin || area >= max_area) return area;
     return float(hash >> 8u) < area / max_area * 16777216.0 ? max_area : 0.0;
@@ -116,7 +116,7 @@ vec3 point_normal(Point p) { return octahedral_inverse((vec2(p.packed & 1023u, p
 
 float point_radius(Point p, float diagonal) { return diagonal * exp2((float(p.packed >> 20 & 2047u) - 2047.0) / 96.0); }
 
-// A place of the pool without a point: all zeros, which no normal packs to.
+// An empty place of the pool: all zeros, which no normal packs to.
 bool point_is_empty(Point p) { return p.packed == 0u; }
 
 bool point_is_double_sided(Point p) { return p.packed >> 31 != 0u; }

@@ -1,9 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Points for each VPL by the solid angle under which it sees them: a workgroup a VPL draws clusters by what they show to the VPL
-// over the square of the distance, and points within them by area. What is near gets more points, and the points of all maps stay as
-// many. Each stands for so much more of its surface as it is one of few.
+// Points for each VPL's map by the solid angle under which the VPL sees them. A workgroup a VPL draws point clusters by their solid angle, and points
+// within them by area. Near surfaces get more points, and all maps together as many as before. A point stands for the more of its surface the
+// fewer are drawn of it.
 #include "lib/packing.glsl"
 #include "lib/vpl.glsl"
 #include "visibility/point-cluster.glsl"

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Clusters of neighbouring points, an invocation each, and within each the sums of the points' areas, by which they are drawn.
+// Point clusters, an invocation each, and within each the running sums of the points' areas, by which points are drawn.
 #include "visibility/point-cluster.glsl"
 #include "visibility/point.glsl"
 

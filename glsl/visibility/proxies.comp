@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// VPLs whose imperfect shadow maps others share: of each block of a reflective shadow map's texels the lit one that is nearest to its middle.
+// Proxies, VPLs whose imperfect shadow maps others share: in each block of a reflective shadow map's texels the lit VPL that is nearest to the middle.
 #include "lib/permutation.glsl"
 #include "lib/vpl.glsl"
 

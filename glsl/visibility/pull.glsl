@@ -1,7 +1,6 @@
 // The pull phase (Linke 2016, section 3.3.2): a texel of the coarser level is the mean of those of the four below it that lie in the
-// depth interval of the frontmost. Whoever includes it defines
+// depth interval of the frontmost. Whoever includes it defines a texel of the finer level, and whether there is a point in it:
 //     bool finer_texel(ivec2 texel, out Pulled p);
-// a texel of the finer level, if there is anything in it.
 #include "part/disk=visibility/disk-facing"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -45,7 +44,7 @@ void main() {
     sum.depth *= over;
     sum.radius *= over;
     sum.offset *= over;
-    // What lies apart reaches farther together, or there were holes between them.
+    // Points that lie apart reach farther together, or there were holes between them.
     spread = max(spread * over - dot(sum.offset, sum.offset), 0.0) * SPREAD * params.texel * params.texel;
     sum.radius = sqrt(sum.radius * sum.radius + spread);
     Pulled mean = Pulled(sum.depth, sum.radius, max(sum.extent - sum.depth, 0.0), sum.offset, sum.tilt * over);

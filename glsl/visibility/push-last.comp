@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The last push: distances alone, which the gather compares with.
+// The last push, to the finest level: the distances that the gather compares with.
 #include "visibility/push.glsl"
 
 layout(r32ui) readonly uniform uimage2D finer;

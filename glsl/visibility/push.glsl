@@ -1,10 +1,10 @@
 // The push phase (Linke 2016, section 3.3.2): an invocation fills the four texels of the finer level that lie around a corner of the
-// coarser level's, since they are interpolated from the same four. A texel is filled where it is empty or hidden by what is
-// interpolated. Whoever includes it defines
+// coarser level's, since they are interpolated from the same four. A texel is filled if it is empty, or behind the interpolated surface.
+// Whoever includes it defines the depth of a texel of the finer level, and whether there is a point in it; and what is stored where a texel is filled,
+// and where it is kept:
 //     bool finer_texel(ivec2 texel, out float depth);
 //     void fill_texel(ivec2 texel, Pulled p);
 //     void keep_texel(ivec2 texel, bool there, float depth);
-// how far off a texel of the finer level is, if there is anything in it, and what is stored where it is filled and where it stays.
 #include "part/disk=visibility/disk-facing"
 
 layout(local_size_x = 8, local_size_y = 8) in;

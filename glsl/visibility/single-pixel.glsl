@@ -1,9 +1,8 @@
 // Points as single pixels (Linke 2016, section 4.4.3): a workgroup a partition. Each point is considered for the maps of the
-// partition's VPL and those that follow it, and drawn into the first few that can see it. Whoever includes it defines
+// partition's VPL and those that follow it, and drawn into the first few that can see it. Whoever includes it defines what becomes of a texel's word, given
+// the point's normal and direction in the VPL's space and its place in the disk; and of the counts of a workgroup or an invocation:
 //     void put(ivec2 texel, uint word, vec3 normal, vec3 w, vec2 p);
-// what becomes of a texel's word: the point's normal and direction are in the VPL's space, p is where it is in the disk;
 //     void put_total(uint drawn, uint lost);
-// and what becomes of a workgroup's or an invocation's counts.
 #include "lib/basis.glsl"
 #include "lib/paraboloid.glsl"
 #include "lib/vpl.glsl"

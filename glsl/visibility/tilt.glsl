@@ -1,7 +1,7 @@
 #ifndef TILT_GLSL
 #define TILT_GLSL
-// How a surface is tilted where a map sees it: its normal's share along the map's two axes there. The projection keeps angles, so these axes
-// are perpendicular; what is left of the normal points to the VPL.
+// The tilt of a surface in a map: its normal's components along the map's two axes there. The projection keeps angles, so these axes are
+// perpendicular, and the rest of the normal points to the VPL.
 
 // The tilt of a normal that is seen in the direction w, at the place p of the disk.
 vec2 tilt_of(vec3 normal, vec3 w, vec2 p) {

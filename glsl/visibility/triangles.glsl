@@ -1,7 +1,6 @@
-// Goes through the points of a chunk of triangles: a workgroup counts those of each triangle, and shares all of them out among its
-// invocations. Whoever includes it defines
+// A walk through the points of a chunk of triangles: a workgroup counts those of each triangle, and shares all of them out among its
+// invocations. Whoever includes it defines what becomes of point k of the chunk's `total`, unless it is thinned out:
 //     void take(uint k, uint total, Point point, uvec2 hash);
-// for point k of the chunk's `total`, unless it is thinned out.
 #include "lib/scene.glsl"
 #include "visibility/point.glsl"
 
@@ -35,7 +34,7 @@ shared uint last[64]; // points of this triangle and all before it
 shared uvec3 corners[64];
 shared vec3 corner[3][64];
 
-// Brings the chunk's triangles to the world and counts their points.
+// The number of the chunk's points, thinned out or not. Brings its triangles to the world.
 uint count_points(Chunk chunk) {
     uint lane = gl_LocalInvocationID.x;
     uint count = 0u;

@@ -8,11 +8,11 @@
 
 layout(scalar) readonly buffer Columns { float at[]; } columns;
 layout(scalar) readonly buffer Rows { float at[]; } rows;
-layout(scalar) writeonly buffer Kept { float at[]; } kept; // share of what each reflects that is thought to stay in the scene
+layout(scalar) writeonly buffer Kept { float at[]; } kept; // share of each VPL's light that is thought to stay in the scene
 
 const uint RAYS = 128u;
 
-// How much of a texel's light stays in the scene.
+// The share of a texel's light that stays in the scene.
 float stays(ivec3 at) {
     float depth = texelFetch(rsm_depth, at, 0).r;
     if (depth == 0.0) return 0.0;
@@ -58,6 +58,6 @@ void main() {
     ivec3 place = ivec3(texel, row / CELLS);
     bool any = weight > 0.0 && chance > 0.0;
     put(index, place, any ? texels * (total / weight) * (in_row / chance) / float(params.count) : 0.0);
-    // None at all would leave the map of its cluster nothing to say.
+    // Never 0, which would leave its cluster without flux, whatever the map shows.
     kept.at[index] = max(stays(place), 0.001);
 }

@@ -1,4 +1,4 @@
-// VPLs are glossy too.
+// VPLs that are glossy too.
 #include "lib/lobe.glsl"
 
 uniform sampler2DArray rsm_specular;

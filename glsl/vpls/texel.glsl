@@ -1,4 +1,4 @@
-// What samplers of the reflective shadow maps share: which map a sample is of, and the VPL that a texel makes.
+// Samplers of the reflective shadow maps: the map that a sample is of, and the VPL that a texel makes.
 #include "lib/brdf.glsl"
 #include "lib/light.glsl"
 #include "lib/packing.glsl"
@@ -37,7 +37,7 @@ void map_of(uint sample_index, out uint layer, out uint k, out uint count) {
 // The same of VPL number `index`: the order is a fixed permutation's.
 void share_of(uint index, out uint layer, out uint k, out uint count) { map_of(permutation(index, params.count), layer, k, count); }
 
-// VPL number `index` at a texel, which stands for so many.
+// Stores VPL number `index` at a texel, which stands for so many.
 void put(uint index, ivec3 at, float texels) {
     VplPlace place = VplPlace(vec3(0.0), 0u);
     vec3 intensity = vec3(0.0);

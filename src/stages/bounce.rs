@@ -15,11 +15,11 @@ use anyhow::Result;
 
 shader_struct! {
     /// `glsl/bounce/vpl-cluster.glsl`.
-    pub struct Cluster {
+    pub struct VplCluster {
         pub position: [f32; 3],
         /// Octahedral, two signed normalized 16-bit numbers.
         pub normal: u32,
-        /// That its VPLs reflect, W; each by the share of it that stays in the scene, over that of the place the map is seen from.
+        /// Flux of its VPLs, W: the sum of flux_i * kept_i / kept_representative; kept = share that stays in the scene, 1 if unknown.
         pub flux: [f32; 3],
         pub members: u32,
         /// Mean square of their distance from the cluster's mean, m^2.
@@ -75,12 +75,12 @@ shader_struct! {
 #[derive(Debug, Clone, Copy)]
 pub struct Bounce {
     pub vpls: Vpls,
-    pub clusters: Option<Clusters>,
+    pub clusters: Option<VplClusters>,
 }
 
 /// Clusters of VPLs, and what each sees: a layer of the maps each.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Clusters {
+pub struct VplClusters {
     pub count: u32,
     pub clusters: Buffer,
     /// The cluster of each VPL; all bits set for those without light.
@@ -182,13 +182,13 @@ pub fn propagate(g: &mut Graph, scene: FrameScene<'_>, first: Vpls, wants: &Want
 }
 
 /// Puts VPLs into clusters and renders what these see.
-fn clusters(g: &mut Graph, scene: FrameScene<'_>, vpls: &Vpls, seed: u32, config: &BounceConfig) -> Clusters {
+fn clusters(g: &mut Graph, scene: FrameScene<'_>, vpls: &Vpls, seed: u32, config: &BounceConfig) -> VplClusters {
     let BounceConfig { clusters: count, map_size, .. } = *config;
     let far = scene.bounds().size().length();
     let size = [map_size; 2];
-    let clusters = Clusters {
+    let clusters = VplClusters {
         count,
-        clusters: g.buffer::<Cluster>("bounce/clusters", count),
+        clusters: g.buffer::<VplCluster>("bounce/clusters", count),
         labels: g.zeroed::<u32>("bounce/labels", vpls.count),
         distances: g.layered_image("bounce/distances", Format::R32Float, size, count),
         normals: g.layered_image("bounce/normals", Format::Rg16Snorm, size, count),
@@ -203,7 +203,7 @@ fn clusters(g: &mut Graph, scene: FrameScene<'_>, vpls: &Vpls, seed: u32, config
 
 /// k-means over position and normal (section III-B). Counts `bounce/rounds`, and `bounce/unsettled`, 1 where the last
 /// of them still moved a VPL to another cluster.
-fn k_means(g: &mut Graph, vpls: &Vpls, clusters: &Clusters, config: &BounceConfig, seed: u32) {
+fn k_means(g: &mut Graph, vpls: &Vpls, clusters: &VplClusters, config: &BounceConfig, seed: u32) {
     let centres = g.history::<Centre>("bounce/centres", clusters.count);
     let frames = g.history::<u32>("bounce/frames", 1);
     let (rounds, unsettled) = (g.count("bounce/rounds"), g.count("bounce/unsettled"));
@@ -236,7 +236,7 @@ fn k_means(g: &mut Graph, vpls: &Vpls, clusters: &Clusters, config: &BounceConfi
 }
 
 /// The layers of all clusters (section III-C), filled in the config's way.
-fn draw(g: &mut Graph, scene: FrameScene<'_>, clusters: &Clusters, config: &BounceConfig) {
+fn draw(g: &mut Graph, scene: FrameScene<'_>, clusters: &VplClusters, config: &BounceConfig) {
     let count = clusters.count;
     let depth = g.layered_image("bounce/depth", Format::Depth32, [clusters.size; 2], count);
     let texels = f64::from(clusters.size).powi(2) * std::f64::consts::FRAC_PI_4 * f64::from(count);
@@ -296,7 +296,7 @@ fn draw(g: &mut Graph, scene: FrameScene<'_>, clusters: &Clusters, config: &Boun
 
 /// The scene's parts with an instance for each of the clusters (first and number) whose hemisphere they reach into, or for each group of so
 /// many; beside them, which cluster or group each part's instances are for.
-fn seen_parts(g: &mut Graph, scene: FrameScene<'_>, clusters: &Clusters, [first, count]: [u32; 2], group: u32) -> (Parts, Buffer) {
+fn seen_parts(g: &mut Graph, scene: FrameScene<'_>, clusters: &VplClusters, [first, count]: [u32; 2], group: u32) -> (Parts, Buffer) {
     let parts = scene.parts(g, "bounce", Maps::Reflection);
     let layers = g.buffer::<u32>("bounce/layers", parts.count.max(1) * count);
     let all = u32::from(g.is_warming_up());
@@ -313,7 +313,7 @@ fn seen_parts(g: &mut Graph, scene: FrameScene<'_>, clusters: &Clusters, [first,
 
 /// VPLs of the next bounce: samples of the clusters' maps (section III-C), with the flux that the cluster sends there. Counts
 /// `bounce/wasted`, samples that lie beside a map's disk, and `bounce/lit`, VPLs that have flux.
-fn sample(g: &mut Graph, clusters: &Clusters, config: &BounceConfig) -> Vpls {
+fn sample(g: &mut Graph, clusters: &VplClusters, config: &BounceConfig) -> Vpls {
     let count = config.vpls;
     let vpls = Vpls {
         count,

@@ -14,7 +14,7 @@ use manylight::renderer::{Rendered, Renderer};
 use manylight::scene::Scene;
 use manylight::scene::pack::{octahedral_inverse, octahedral_snorm16_inverse};
 use manylight::scene::source::load_scene;
-use manylight::stages::bounce::Cluster;
+use manylight::stages::bounce::VplCluster;
 use manylight::stages::vpls::VplPlace;
 use manylight::walk::flicker_of_walk;
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -44,7 +44,7 @@ fn split_room(walls: &[Wall]) -> Scene {
     scene
 }
 
-fn clusters(rendered: &Rendered) -> Vec<Cluster> {
+fn clusters(rendered: &Rendered) -> Vec<VplCluster> {
     pod_collect_to_vec(dumped(rendered, "bounce/clusters"))
 }
 

@@ -12,7 +12,7 @@ pub use ism::{Ism, partition_capacity};
 pub use ray_traced::BITS;
 pub use shared::MOST_TEXELS_A_MAP;
 
-use super::bounce::{Bounce, Clusters};
+use super::bounce::{Bounce, VplClusters};
 use super::facts::Facts;
 use super::gbuffer::GBuffer;
 use super::methods::{Choice, NOTHING, Needs};
@@ -40,7 +40,7 @@ pub enum Visibility {
     /// A small map for several VPLs: of each which one, and the places that the maps are seen from.
     SharedIsm { ism: Ism, labels: Buffer, proxies: Buffer },
     /// A map a cluster of VPLs; the bias is in widths of a texel.
-    Clusters { clusters: Clusters, bias: f32, lookup: Lookup },
+    Clusters { clusters: VplClusters, bias: f32, lookup: Lookup },
 }
 
 /// What a method may look at.
