@@ -13,8 +13,8 @@ use crate::presets;
 use crate::reference::scene_digest;
 use crate::renderer::{Renderer, needs};
 use crate::stages;
-use crate::tables::cells::{self, WALKS, reference_folder, run_folder};
-use crate::tables::{Names, Plan, Run, Table, print, read, sheet};
+use crate::tables::folders::{WALKS, begin, is_current, reference_folder, run_folder};
+use crate::tables::{Names, Plan, Run, Table, cells, print, read, sheet};
 use crate::walk::flicker_of_walk;
 use crate::world::Needs;
 use anyhow::{Context, Result};
@@ -106,7 +106,7 @@ impl Session<'_> {
         for run in &plan.runs {
             let mine = self.args.shard.is_none_or(|shard: Shard| shard.has(*number));
             *number += 1;
-            if mine && !(self.args.resume && cells::is_current(folder, run, &self.shaders) && self.has_truth(table, run, folder)) {
+            if mine && !(self.args.resume && is_current(folder, run, &self.shaders) && self.has_truth(table, run, folder)) {
                 todo.push(run);
             }
         }
@@ -152,7 +152,7 @@ impl Session<'_> {
             truth.bring(&mut open.renderer, &reference_folder(folder, &key), &table.name, progress)?;
         }
         let own = run_folder(folder, run);
-        cells::begin(folder, run)?;
+        begin(folder, run)?;
         open.renderer.prepare(config, &[])?;
         let shown: Vec<(u32, u32)> = (0..config.frame.count).map(|frame| (frame, frame)).collect();
         let frames = Frames { warmup: config.frame.warmup, measured: &shown, pictures: Pictures::Last, dump: &[], check_nan: false };

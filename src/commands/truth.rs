@@ -10,7 +10,7 @@ use crate::reference::{Settings, load_sums};
 use crate::renderer::Renderer;
 use crate::report::timings_csv;
 use crate::tables::ReferenceGoal;
-use crate::tables::cells::reference_cache;
+use crate::tables::folders::reference_cache;
 use anyhow::Result;
 use std::path::Path;
 

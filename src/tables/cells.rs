@@ -1,11 +1,12 @@
 //! From the folders of runs to the cells of a table.
 
+use super::folders::{IMAGE, RECORD, TIMINGS, WALKS, is_done, read_json, reference_folder, run_folder};
 use super::plan::{Plan, Run};
 use super::{Against, Figure, Table, What};
+use crate::fail;
 use crate::files::write_file;
 use crate::metrics::{self, ImageFile, LayerPair, Measures};
 use crate::report::{Device, Statistics};
-use crate::{cache, fail};
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -64,44 +65,6 @@ pub struct Results {
     pub runs: BTreeMap<String, Value>,
     pub references: Vec<String>,
 }
-
-/// The folder of a run in that of its table.
-pub fn run_folder(folder: &Path, run: &Run) -> PathBuf {
-    folder.join("runs").join(&run.key)
-}
-
-/// The folder of a truth in that of its table.
-pub fn reference_folder(folder: &Path, key: &str) -> PathBuf {
-    folder.join("references").join(key)
-}
-
-/// Takes a run's record away, so that nobody takes for done what is being done again.
-pub fn begin(folder: &Path, run: &Run) -> Result<()> {
-    let record = run_folder(folder, run).join(RECORD);
-    match std::fs::remove_file(&record) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(fail!(OutputNotWritten, "{}: cannot be removed ({error}); choose another folder", record.display()))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Whether this version of the program has done a run, with the shaders of this key.
-pub fn is_current(folder: &Path, run: &Run, shaders: &str) -> bool {
-    let record = read_json(&run_folder(folder, run).join(RECORD));
-    record.is_ok_and(|record| record["version"] == env!("CARGO_PKG_VERSION") && record["shaders"] == shaders)
-}
-
-/// Whether a run has left everything. Its record is written last.
-pub fn is_done(folder: &Path, run: &Run) -> bool {
-    run_folder(folder, run).join(RECORD).is_file()
-}
-
-/// What a run is measured by, beside its record: the flicker of layers over its frames.
-pub const WALKS: &str = "walks.json";
-const RECORD: &str = "run.json";
-const IMAGE: &str = "image.exr";
-const TIMINGS: &str = "timings.csv";
 
 /// Works all cells out.
 ///
@@ -186,11 +149,6 @@ fn origin(folder: &Path, records: &BTreeMap<&str, Value>) -> Result<Option<(Devi
     read().map(Some).ok_or_else(|| {
         fail!(BadInput, "{}: run {key} has a {RECORD} that does not say on which device it ran; remove it", folder.display())
     })
-}
-
-fn read_json(path: &Path) -> Result<Value> {
-    let bytes = std::fs::read(path).map_err(|error| fail!(BadInput, "{}: cannot be read ({error})", path.display()))?;
-    serde_json::from_slice(&bytes).map_err(|error| fail!(BadInput, "{}: is damaged ({error}); remove it to run it again", path.display()))
 }
 
 struct Source<'t> {
@@ -364,9 +322,4 @@ impl Results {
         write_file(&folder.join("table.md"), super::print::markdown(self).as_bytes())?;
         write_file(&folder.join("table.csv"), &super::print::csv(self)?)
     }
-}
-
-/// Where truths are kept from table to table.
-pub fn reference_cache() -> Option<PathBuf> {
-    cache::user().folder().map(|folder| folder.join("references"))
 }

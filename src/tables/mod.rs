@@ -5,6 +5,9 @@
 //! cells are worked out from these folders alone ([`cells`]), so that a sweep can be stopped, resumed, and split over machines.
 
 pub mod cells;
+pub mod folders;
+mod measures;
+mod nodes;
 pub mod plan;
 pub mod print;
 pub mod read;

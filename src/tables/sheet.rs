@@ -1,6 +1,6 @@
 //! The pictures of a table's cells side by side.
 
-use super::cells::{is_done, run_folder};
+use super::folders::{is_done, run_folder};
 use super::{Plan, Table};
 use crate::fail;
 use crate::output::{read_png, write_png};

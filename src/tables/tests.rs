@@ -1,6 +1,7 @@
 //! Tables read and planned, and the mistakes that are refused.
 
-use super::cells::{self, reference_folder, run_folder};
+use super::cells;
+use super::folders::{self, reference_folder, run_folder};
 use super::plan::Sweep;
 use super::{Plan, Table, What, print};
 use crate::{presets, stages};
@@ -143,7 +144,7 @@ fn a_run_is_current_while_version_and_shaders_are_the_same() {
     let (table, folder) = (small(), tempfile::tempdir().unwrap());
     let plan = Plan::of(&table, &Sweep::default()).unwrap();
     let [first, second] = [&plan.runs[0], &plan.runs[1]];
-    let is_current = |run, shaders| cells::is_current(folder.path(), run, shaders);
+    let is_current = |run, shaders| folders::is_current(folder.path(), run, shaders);
     assert!(!is_current(first, "a key"), "nothing has run");
     leave(folder.path(), &plan, 0, 30.0, "gpu");
     leave(folder.path(), &plan, 1, 2.0, "gpu");
