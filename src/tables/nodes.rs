@@ -5,7 +5,7 @@ use crate::config::nearest;
 use crate::config::tree::{Node, Table as Tree, Value, join};
 use anyhow::Result;
 
-/// A table's entries, none of them but those known.
+/// Entries of a TOML table; unknown keys are refused.
 pub fn section<'n>(node: &'n Node, path: &str, known: &[&str]) -> Result<&'n Tree> {
     let Value::Table(tree) = &node.value else {
         return Err(error(&node.origin, path, format_args!("expects a table, found {}", node.found())));
