@@ -1,43 +1,43 @@
-//! Axes: where values and their ticks are.
+//! Axes of plots: places of values and ticks.
 
 use serde::Serialize;
 
-/// How values are spread over an axis.
+/// Scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// From 0 or the smallest value on.
+    /// Linear, from 0 or the smallest value on.
     Linear,
-    /// By powers of ten; what is not over 0 lies at the low end.
+    /// Logarithmic; values that are not over 0 are at the low end.
     Log,
 }
 
-/// A range of values on a range of pixels.
+/// A map from a range of values to a range of pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axis {
     scale: Scale,
-    /// In values, or in their decimal logarithms.
+    /// Ends of the range, as values or as their decimal logarithms.
     low: f64,
     high: f64,
-    /// Pixels of the low end and of the high one.
+    /// Pixels of the low end and of the high end.
     pixels: [f64; 2],
 }
 
-/// A tick and what stands beside it.
+/// A tick with its label.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Tick {
-    /// Pixels.
+    /// Place, pixels.
     pub at: f64,
     pub label: String,
 }
 
-/// Room beyond the outermost values, as a part of their range.
+/// Margin beyond the outermost values, as a part of their range.
 const MARGIN: f64 = 0.08;
-/// A range of values is at least so many powers of ten long: equal ones lie in its middle.
+/// Least range of a logarithmic axis, in powers of ten; equal values are in its middle.
 const SHORTEST_LOG: f64 = 0.7;
 const MOST_TICKS: usize = 8;
 
 impl Axis {
-    /// A logarithmic axis that shows all of these values.
+    /// A logarithmic axis over all of these values.
     pub fn log(values: impl Iterator<Item = f64>, pixels: [f64; 2]) -> Self {
         let logs: Vec<f64> = values.filter(|value| *value > 0.0 && value.is_finite()).map(f64::log10).collect();
         let (low, high) = bounds(&logs).unwrap_or((0.0, 0.0));
@@ -45,14 +45,14 @@ impl Axis {
         Self { scale: Scale::Log, low: low - margin, high: high + margin, pixels }
     }
 
-    /// A linear axis from `low`, or the smallest value where that is less, to the largest value.
+    /// A linear axis from `low`, or the smallest value if it is less, to the largest value.
     pub fn linear(low: Option<f64>, values: impl Iterator<Item = f64>, pixels: [f64; 2]) -> Self {
         let values: Vec<f64> = values.chain(low).filter(|value| value.is_finite()).collect();
         let (low, high) = bounds(&values).unwrap_or((0.0, 1.0));
         Self { scale: Scale::Linear, low, high: if high > low { high } else { low + 1.0 }, pixels }
     }
 
-    /// Pixels of a value.
+    /// Place of a value, pixels.
     pub fn at(&self, value: f64) -> f64 {
         let value = match self.scale {
             Scale::Linear => value,
