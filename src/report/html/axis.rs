@@ -85,7 +85,7 @@ impl Axis {
         (first..=last).map(|i| (i as f64 * step, format!("{:.decimals$}", i as f64 * step))).collect()
     }
 
-    /// Powers of ten where three of them fit; else 1, 2 and 5 times these, else 1 to 9 times.
+    /// Ticks at powers of ten if at least three fit; otherwise at 1, 2 and 5 times a power, otherwise at 1 to 9 times.
     fn log_ticks(&self) -> Vec<(f64, String)> {
         let powers = self.low.floor() as i32..=self.high.ceil() as i32;
         let among = |digits: &[u32]| -> Vec<(u32, i32)> {
@@ -94,7 +94,7 @@ impl Axis {
         };
         let sets: [&[u32]; 3] = [&[1], &[1, 2, 5], &[1, 2, 3, 4, 5, 6, 7, 8, 9]];
         let found = sets.iter().map(|digits| among(digits)).find(|ticks| ticks.len() >= 3).unwrap_or_else(|| among(sets[2]));
-        // A range of many powers shows each second, or third, of them.
+        // A range of many powers shows only every second or third of them.
         let every = found.len().div_ceil(MOST_TICKS).max(1);
         let shown = found.into_iter().filter(|(digit, power)| *digit != 1 || every == 1 || power.rem_euclid(every as i32) == 0);
         shown.map(|(digit, power)| (f64::from(digit) * 10_f64.powi(power), decimal(digit, power))).collect()
@@ -105,12 +105,12 @@ fn bounds(values: &[f64]) -> Option<(f64, f64)> {
     Some((values.iter().copied().reduce(f64::min)?, values.iter().copied().reduce(f64::max)?))
 }
 
-/// Tenths of a pixel are enough, and short.
+/// Rounds to a tenth of a pixel, to keep the page small.
 pub fn round(pixels: f64) -> f64 {
     (pixels * 10.0).round() / 10.0
 }
 
-/// `digit` times ten to the `power`, as people write it.
+/// `digit` times ten to the `power`, in the usual notation.
 fn decimal(digit: u32, power: i32) -> String {
     match power {
         0..=4 => format!("{digit}{}", "0".repeat(power as usize)),
@@ -159,7 +159,7 @@ mod tests {
     fn zero_lies_at_the_low_end_of_a_log_axis_and_sets_no_range() {
         let axis = log(&[0.0, 1.0, 10.0]);
         assert_eq!((axis.at(0.0), axis), (0.0, log(&[1.0, 10.0])));
-        // Zeros alone have an axis too.
+        // An axis exists for zeros alone too.
         let zeros = log(&[0.0, 0.0]);
         assert_eq!(zeros.at(0.0), 0.0);
         assert!(zeros.ticks().len() >= 2);
