@@ -1,4 +1,4 @@
-//! One bounce of indirect light against sums that know nothing of the engine.
+//! One bounce of indirect light against sums computed without the engine.
 
 use crate::common::*;
 use glam::{DQuat, DVec3, Vec3};
@@ -16,12 +16,12 @@ const ALBEDOS: [DVec3; 6] = [
     DVec3::new(0.3, 0.4, 0.9),
     DVec3::new(0.5, 0.5, 0.2),
 ];
-/// Map texels to a side.
+/// Side of the map, texels.
 const MAP: u32 = 128;
-/// Receivers nearer than this to another wall are at an edge, metres.
+/// Distance to another wall below which receivers count as at an edge, m.
 const EDGE: f64 = 0.5;
 
-/// A view from a corner of the turned room that shows floor, walls and some ceiling.
+/// A view from a corner of the turned room onto floor, walls and some ceiling.
 fn config(turn: DQuat, light: LightConfig, vpls: u32) -> Config {
     let turned = |v: DVec3| (turn * v).as_vec3();
     let mut config = plain([64, 64], turned(DVec3::new(3.6, 1.7, 4.6)), turned(DVec3::new(1.0, 1.2, 0.5)), 95.0, light);
