@@ -38,7 +38,7 @@ pub struct BenchArgs {
     /// Size of the picture in pixels, as in 960x540
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
-    /// How passes are timed
+    /// Timing mode of passes
     #[arg(long, value_name = "MODE", value_parser = PossibleValuesParser::new(choices("frame.timing")).map(String::from))]
     timing: Option<String>,
     /// The device to measure: part of its name, its index in `manylight list`, or cpu

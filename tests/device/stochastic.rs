@@ -591,7 +591,7 @@ fn maps_that_neighbours_share_see_about_what_rays_do() {
 fn the_preset_has_the_light_of_the_path_tracer_where_rays_make_its_shadows() {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/configs/stochastic-culling.toml"));
     let sets = [
-        "gather.delta=1e-6", // At the preset's one realisation's light is off by a few percent.
+        "gather.delta=1e-6", // At the preset's delta, one realisation's light is off by a few percent.
         "scene.builtin=cornell",
         "frame.size=[96,96]",
         "gather.statistics=true",
