@@ -9,7 +9,8 @@ use tempfile::NamedTempFile;
 
 /// Writes a file atomically: a reader of `path` sees the old content or all of `bytes`, never a part.
 ///
-/// # Errors `OutputNotWritten` with the path and the reason; nothing is left beside `path` then.
+/// # Errors
+/// `OutputNotWritten` with the path and the reason; nothing is left beside `path` then.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
     replace(path, |file| file.write_all(bytes)).map_err(|error| not_written(path, &error))
 }
@@ -17,7 +18,8 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
 /// Makes a folder and its parents, and checks that a file can be written there. Commands call this before they render, so that
 /// no hours of work are lost to a read-only folder.
 ///
-/// # Errors `OutputNotWritten` with the path and the reason.
+/// # Errors
+/// `OutputNotWritten` with the path and the reason.
 pub fn prepare_folder(path: &Path) -> Result<()> {
     fs::create_dir_all(path)
         .and_then(|()| temporary(path))

@@ -35,7 +35,7 @@ impl MitsubaArgs {
         self.output.clone().unwrap_or_else(|| Path::new("out").join(name).join("mitsuba"))
     }
 
-    /// See [`RenderArgs::overrides`].
+    /// See [`super::RenderArgs::overrides`].
     pub fn overrides(&self) -> Vec<String> {
         let mut overrides = self.sets.clone();
         overrides.extend(self.size.map(|[width, height]| format!("frame.size=[{width}, {height}]")));

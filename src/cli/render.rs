@@ -25,7 +25,7 @@ pub struct RenderArgs {
     size: Option<[u32; 2]>,
     #[command(flatten)]
     pub sequence: SequenceArgs,
-    /// How passes are timed
+    /// Timing mode of passes
     #[arg(long, value_name = "MODE", value_parser = PossibleValuesParser::new(choices("frame.timing")).map(String::from))]
     timing: Option<String>,
     /// The device to render on: part of its name, its index in `manylight list`, or cpu

@@ -55,7 +55,8 @@ pub struct Ready {
 impl Setup {
     /// Reads a config from a file, or a preset by its name.
     ///
-    /// # Errors `BadInput` with file, line and key.
+    /// # Errors
+    /// `BadInput` with file, line and key.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self> {
         let started = Instant::now();
         let config = match path.to_str().and_then(presets::find) {

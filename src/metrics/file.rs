@@ -26,7 +26,8 @@ pub struct ImageFile {
 impl ImageFile {
     /// Reads an EXR or a PNG, told apart by the first bytes. A PNG is taken as sRGB and made linear.
     ///
-    /// # Errors `BadInput` with the path and the fault of the file.
+    /// # Errors
+    /// `BadInput` with the path and the fault of the file.
     pub fn open(path: &Path) -> Result<Self> {
         let name = path.display().to_string();
         let mut start = Vec::new();
@@ -69,8 +70,9 @@ impl ImageFile {
 
     /// A layer by its name, or the sum of several.
     ///
-    /// # Errors `BadInput` with the path: for a missing layer with the layers of the file, for layers that cannot be added, and
-    /// for a number that is not finite.
+    /// # Errors
+    /// `BadInput` with the path: for a missing layer with the layers of the file, for layers that cannot be added, and for a
+    /// number that is not finite.
     pub fn layer(&self, names: &[String]) -> Result<Image> {
         let found = names.iter().map(|name| self.find(name)).collect::<Result<Vec<Channels>>>()?;
         let [first, others @ ..] = found.as_slice() else { unreachable!("a layer has a name") };

@@ -28,7 +28,8 @@ pub struct Image {
 impl Image {
     /// An image from `values`, with a channel for each name. Colours have three channels.
     ///
-    /// # Errors `BadInput` with the channel and the pixel of a number that is not finite: every measure would be meaningless.
+    /// # Errors
+    /// `BadInput` with the channel and the pixel of a number that is not finite: every measure would be meaningless.
     pub fn new(width: usize, content: Content, channels: &[&str], values: Vec<f32>) -> Result<Self> {
         let row = width * channels.len();
         assert!(!values.is_empty() && values.len().is_multiple_of(row), "{} numbers are no rows of {width} pixels", values.len());

@@ -20,7 +20,8 @@ impl LayerPair {
 
     /// Parses `LAYER`, a sum `LAYER+LAYER`, or `TEST=REFERENCE` for different names.
     ///
-    /// # Errors The expected form; the caller adds the place of the text.
+    /// # Errors
+    /// The expected form; the caller adds the place of the text.
     pub fn parse(text: &str) -> Result<Self, String> {
         let (test, reference) = text.split_once('=').unwrap_or((text, text));
         let [test, reference] = [test, reference].map(|sum| sum.split('+').map(|name| name.trim().to_owned()).collect::<Vec<_>>());
@@ -67,7 +68,8 @@ impl Intensity {
 
     /// The layer with this name.
     ///
-    /// # Errors `BadInput` with the known names.
+    /// # Errors
+    /// `BadInput` with the known names.
     pub fn parse(name: &str) -> Result<Self> {
         let names = Self::ALL.map(Self::name);
         Self::ALL.into_iter().find(|layer| layer.name() == name).ok_or_else(|| {

@@ -70,7 +70,8 @@ pub struct Comparison {
 
 /// Compares `test` with `reference`.
 ///
-/// # Errors `BadInput` if the images' sizes or kinds differ.
+/// # Errors
+/// `BadInput` if the images' sizes or kinds differ.
 pub fn compare(test: &Image, reference: &Image) -> Result<Comparison> {
     check_alike(test, reference)?;
     let sums = sums(test, reference);
@@ -102,7 +103,8 @@ pub fn compare(test: &Image, reference: &Image) -> Result<Comparison> {
 
 /// [`Measures::rmse`] alone.
 ///
-/// # Errors See [`compare`].
+/// # Errors
+/// See [`compare`].
 pub fn rmse(test: &Image, reference: &Image) -> Result<f64> {
     check_alike(test, reference)?;
     Ok((sums(test, reference).squares / test.values().len() as f64).sqrt())

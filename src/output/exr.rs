@@ -76,7 +76,8 @@ impl ExrLayer {
 /// `metadata` becomes the standard `comments` attribute, a line `key: value` each: the `exr` crate writes custom attributes in
 /// random order, and no two files would be the same.
 ///
-/// # Errors `OutputNotWritten` with the path and the reason; no file is left then.
+/// # Errors
+/// `OutputNotWritten` with the path and the reason; no file is left then.
 pub fn write_exr(path: &Path, width: u32, height: u32, layers: Vec<ExrLayer>, metadata: &[(&str, String)]) -> Result<()> {
     write_file(path, &encode(width, height, layers, metadata)?)
 }
@@ -126,7 +127,8 @@ pub struct Exr {
 
 /// Reads an OpenEXR image.
 ///
-/// # Errors `BadInput` with the path and the fault of the file.
+/// # Errors
+/// `BadInput` with the path and the fault of the file.
 pub fn read_exr(path: &Path) -> Result<Exr> {
     let name = path.display();
     let bytes = std::fs::read(path).map_err(|error| fail!(BadInput, "{name}: cannot be read ({error})"))?;

@@ -9,7 +9,8 @@ use std::path::Path;
 /// Writes an sRGB image of 8 bits a channel, first row on top: `width * height` pixels of one (grey), three (RGB) or four
 /// (RGBA) bytes. The same arguments give the same bytes.
 ///
-/// # Errors `OutputNotWritten` with the path and the reason; no file is left then.
+/// # Errors
+/// `OutputNotWritten` with the path and the reason; no file is left then.
 pub fn write_png(path: &Path, width: u32, height: u32, pixels: &[u8]) -> Result<()> {
     write_file(path, &png_bytes(width, height, pixels)?)
 }
@@ -52,7 +53,8 @@ pub struct Png {
 
 /// Reads an opaque image of any depth; grey becomes RGB. The file's own colour space is ignored.
 ///
-/// # Errors `BadInput` with the path and the fault of the file. A pixel that is not opaque is one: it has no definite colour.
+/// # Errors
+/// `BadInput` with the path and the fault of the file. A pixel that is not opaque is one: it has no definite colour.
 pub fn read_png(path: &Path) -> Result<Png> {
     let name = path.display();
     let bytes = std::fs::read(path).map_err(|error| fail!(BadInput, "{name}: cannot be read ({error})"))?;

@@ -68,7 +68,8 @@ pub struct Results {
 
 /// Computes all cells.
 ///
-/// # Errors `BadInput` for a damaged file of a run, and for runs of different devices, timing modes, versions or shaders.
+/// # Errors
+/// `BadInput` for a damaged file of a run, and for runs of different devices, timing modes, versions or shaders.
 pub fn results(table: &Table, plan: &Plan, folder: &Path) -> Result<Results> {
     let mut records = BTreeMap::new();
     for run in plan.runs.iter().filter(|run| is_done(folder, run)) {

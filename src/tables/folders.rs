@@ -1,4 +1,4 @@
-//! The folders of runs and truths in that of their table, and whether what lies there is done.
+//! Folders of a table's runs and references, and checks whether they are complete.
 
 use super::Run;
 use crate::{cache, fail};
@@ -40,12 +40,12 @@ pub fn is_done(folder: &Path, run: &Run) -> bool {
 
 /// File of a run's flicker figures, by layer, beside its record.
 pub const WALKS: &str = "walks.json";
-/// A run's record, its picture and its times.
+/// Files of a run: its record, its picture and its times.
 pub const RECORD: &str = "run.json";
 pub const IMAGE: &str = "image.exr";
 pub const TIMINGS: &str = "timings.csv";
 
-/// What a JSON file of a run says.
+/// Content of a JSON file of a run.
 pub fn read_json(path: &Path) -> Result<Value> {
     let bytes = std::fs::read(path).map_err(|error| fail!(BadInput, "{}: cannot be read ({error})", path.display()))?;
     serde_json::from_slice(&bytes).map_err(|error| fail!(BadInput, "{}: is damaged ({error}); remove it to run it again", path.display()))

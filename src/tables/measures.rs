@@ -1,4 +1,4 @@
-//! What cells measure, as a table's file says it.
+//! Reading the measures of cells from a table's file.
 
 use super::nodes::{section, text_of};
 use super::{Against, Figure, Measure, Place, Table, What};

@@ -1,4 +1,4 @@
-//! Entries of a table's file, read by what they must be. Every mistake is refused by file, line and key.
+//! Typed entries of a table's file. Every mistake is refused with file, line and key.
 
 use crate::config::check::error;
 use crate::config::nearest;

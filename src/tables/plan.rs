@@ -73,7 +73,8 @@ pub struct Plan {
 impl Plan {
     /// Computes and checks all cells' configs.
     ///
-    /// # Errors `BadInput` with file, line and key for a cell's bad config.
+    /// # Errors
+    /// `BadInput` with file, line and key for a cell's bad config.
     pub fn of(table: &Table, sweep: &Sweep) -> Result<Self> {
         let mut all: Vec<Run> = Vec::new();
         let mut of_cell = vec![vec![0; table.columns.len()]; table.rows.len()];
@@ -147,7 +148,8 @@ const COUNTED: [&str; 3] = ["scene/triangles", "vpls/count", "device/memory-byte
 impl Names {
     /// Refuses measures of names that no frame of the table has.
     ///
-    /// # Errors `BadInput` with file, line and the known names.
+    /// # Errors
+    /// `BadInput` with file, line and the known names.
     pub fn check(&self, table: &Table) -> Result<()> {
         let stages =
             |names: &BTreeSet<String>| names.iter().filter_map(|name| name.split('/').next()).map(str::to_owned).collect::<BTreeSet<_>>();

@@ -14,8 +14,9 @@ use std::path::{Path, PathBuf};
 /// if the folder `scenes` has the file. The deviations name the stand-ins that stay. Times may be of `stages`, of their passes
 /// or of the frame.
 ///
-/// # Errors `BadInput` with file, line and key: unknown keys, presets and measures; cells without a measure; rows, columns and
-/// figures that do not match.
+/// # Errors
+/// `BadInput` with file, line and key: unknown keys, presets and measures; cells without a measure; rows, columns and figures
+/// that do not match.
 pub fn table(text: &str, path: &Path, scenes: Option<&Path>, stages: &[&str]) -> Result<Table> {
     let root = document(text, path)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();

@@ -12,7 +12,8 @@ const GAP: usize = 4;
 
 /// Writes `sheet.png`, with a picture at the place of each cell, if all runs are done. Returns its path.
 ///
-/// # Errors `BadInput` for a picture that cannot be read or differs in size from the first, `OutputNotWritten` for the sheet.
+/// # Errors
+/// `BadInput` for a picture that cannot be read or differs in size from the first, `OutputNotWritten` for the sheet.
 pub fn write(table: &Table, plan: &Plan, folder: &Path) -> Result<Option<PathBuf>> {
     if !table.places().all(|(row, column)| is_done(folder, plan.run(row, column))) {
         return Ok(None);

@@ -28,7 +28,8 @@ impl Picture {
 
     /// Embeds a PNG file unchanged.
     ///
-    /// # Errors `BadInput` with the path and the fault of the file.
+    /// # Errors
+    /// `BadInput` with the path and the fault of the file.
     pub fn read(path: &Path) -> Result<Self> {
         // The file is decoded only to check it.
         let png = read_png(path)?;
@@ -68,7 +69,8 @@ impl<'l> Measurer<'l> {
 
     /// Errors of a run against a reference; `None` if one of the two has no layers.
     ///
-    /// # Errors `BadInput` with the file, for a missing layer or a number that is not finite.
+    /// # Errors
+    /// `BadInput` with the file, for a missing layer or a number that is not finite.
     pub fn errors(&mut self, run: &Run, reference: &Run) -> Result<Option<Errors>> {
         let (Some(test), Some(truth)) = (run.layers(), reference.layers()) else { return Ok(None) };
         if !self.references.contains_key(&truth) {

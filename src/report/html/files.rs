@@ -28,7 +28,8 @@ pub struct Record {
 
 /// Content of a JSON file; `None` if it does not exist.
 ///
-/// # Errors `BadInput` with the file, the line and its fault.
+/// # Errors
+/// `BadInput` with the file, the line and its fault.
 pub fn json<T: DeserializeOwned>(path: &Path) -> Result<Option<T>> {
     let bytes = match std::fs::read(path) {
         Ok(bytes) => bytes,

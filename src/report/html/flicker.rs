@@ -21,7 +21,8 @@ pub struct Flicker {
 impl Flicker {
     /// Reads the known keys of the file, which may have others; `None` if there is no file.
     ///
-    /// # Errors `BadInput` if the file is no JSON.
+    /// # Errors
+    /// `BadInput` if the file is no JSON.
     pub fn read(path: &Path, label: &str, record: Option<&Record>) -> Result<Option<Self>> {
         let Some(file): Option<Value> = json(path)? else { return Ok(None) };
         let number = |value: &Value, key: &str| value.get(key).and_then(Value::as_f64);

@@ -52,8 +52,9 @@ pub struct Group {
 
 /// Reads folders: a group for each table, then one of all other runs, if there are any. A folder given twice counts once.
 ///
-/// # Errors `BadInput` with the folder or the file: a folder without anything to report, one that cannot be read, or a second
-/// table of the same name.
+/// # Errors
+/// `BadInput` with the folder or the file: a folder without anything to report, one that cannot be read, or a second table of
+/// the same name.
 pub fn read(folders: &[PathBuf]) -> Result<Vec<Group>> {
     let mut seen = BTreeSet::new();
     let mut groups: Vec<Group> = Vec::new();

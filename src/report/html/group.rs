@@ -64,7 +64,8 @@ impl<'l> Builder<'l> {
 
     /// The section of a group. `others` are references given one by one; `number` counts from 1.
     ///
-    /// # Errors `BadInput` with the file that cannot be shown or compared.
+    /// # Errors
+    /// `BadInput` with the file that cannot be shown or compared.
     pub fn group(&mut self, group: &Group, others: &[Run], number: usize) -> Result<GroupView> {
         let id = format!("s{number}");
         let (origins, marks) = origins(group.runs.iter().map(|run| &run.record.from));

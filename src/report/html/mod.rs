@@ -27,7 +27,8 @@ use std::path::PathBuf;
 
 /// The page for these folders; errors are measured on `layers`.
 ///
-/// # Errors `BadInput` with the folder or the file and its fault.
+/// # Errors
+/// `BadInput` with the folder or the file and its fault.
 pub fn report(folders: &[PathBuf], layers: &LayerPair) -> Result<String> {
     page::render(&folders::read(folders)?, layers)
 }

@@ -37,7 +37,8 @@ struct Page {
 
 /// The page of these groups; errors are measured on `layers`.
 ///
-/// # Errors `BadInput` with the file that cannot be shown or compared.
+/// # Errors
+/// `BadInput` with the file that cannot be shown or compared.
 pub fn render(groups: &[Group], layers: &LayerPair) -> Result<String> {
     let others: &[Run] = groups.iter().find(|group| group.table.is_none()).map_or(&[], |group| &group.references);
     let mut builder = Builder::new(layers);

@@ -104,7 +104,8 @@ pub struct Cell {
 impl TableFile {
     /// Checks the number of cells.
     ///
-    /// # Errors `BadInput` if the cells do not match the rows and columns.
+    /// # Errors
+    /// `BadInput` if the cells do not match the rows and columns.
     pub fn check(&self, path: &Path) -> Result<()> {
         let path = path.display();
         if self.cells.len() != self.rows.len() {

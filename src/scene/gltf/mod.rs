@@ -74,8 +74,9 @@ pub struct Loaded {
 ///
 /// The scene is at the animation's time 0.
 ///
-/// # Errors [`BadInput`](crate::error::Exit::BadInput), beginning with the path, if a file cannot be read or is no valid glTF
-/// 2.0 file, requires an unknown extension, or shows no triangle.
+/// # Errors
+/// [`BadInput`](crate::error::Exit::BadInput), beginning with the path, if a file cannot be read or is no valid glTF 2.0 file,
+/// requires an unknown extension, or shows no triangle.
 pub fn load(path: &Path, choice: Option<&Choice>) -> Result<Loaded> {
     let name = path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
     buffers::read_file(path, u64::MAX)
@@ -86,7 +87,8 @@ pub fn load(path: &Path, choice: Option<&Choice>) -> Result<Loaded> {
 /// Loads a scene from the bytes of a .glb or .gltf file. `base` is the folder of referenced files; without one, such references
 /// are refused. `name` begins every error, and names the scene.
 ///
-/// # Errors See [`load`].
+/// # Errors
+/// See [`load`].
 pub fn load_slice(bytes: &[u8], base: Option<&Path>, name: &str, choice: Option<&Choice>) -> Result<Loaded> {
     read(bytes, base, name, choice).with_context(|| name.to_string())
 }
