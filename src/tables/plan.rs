@@ -65,7 +65,7 @@ impl Run {
 /// The distinct runs of a table, and the run of each cell.
 pub struct Plan {
     pub runs: Vec<Run>,
-    /// Index of each cell's run, row by row; unused for ratios.
+    /// Index of each cell's run, row by row; meaningless for a cell that needs none.
     of_cell: Vec<Vec<usize>>,
     pub sweep: Sweep,
 }
@@ -128,7 +128,7 @@ impl Plan {
         Ok(Self { runs, of_cell, sweep: sweep.clone() })
     }
 
-    /// The run of a cell, which must not be a ratio that no other cell is measured against.
+    /// The run of a cell. The cell must not be a ratio, unless another cell is measured against it.
     pub fn run(&self, row: usize, column: usize) -> &Run {
         &self.runs[self.of_cell[row][column]]
     }

@@ -141,7 +141,7 @@ shader_struct! {
     }
 }
 
-/// Rows of sample places in a tile. The extension's shaders are rasterized at each place, and together the places find about
+/// Sample places per row of a tile, and rows. The extension's shaders are rasterized at each place, and together the places find about
 /// the tiles of conservative rasterization.
 const PLACES: u32 = 24;
 
