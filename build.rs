@@ -1,16 +1,16 @@
-//! Link lines only. Debian's `libshaderc` leaves the symbols of glslang and SPIRV-Tools open, in its shared and in its static
-//! form: where that is the library found, the archives that hold them are added. Other systems' libraries are complete.
+//! Link lines only. Debian's `libshaderc`, shared or static, leaves symbols of glslang and SPIRV-Tools undefined. If that
+//! library is found, the archives with these symbols are added. Other systems' libraries are complete.
 
 use std::path::Path;
 
-/// In link order: each needs the ones after it.
+/// Archives in link order: each needs those after it.
 const ARCHIVES: [&str; 9] =
     ["glslang", "MachineIndependent", "GenericCodeGen", "OSDependent", "OGLCompiler", "HLSL", "SPIRV", "SPIRV-Tools-opt", "SPIRV-Tools"];
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     for embedded in ["glsl", "configs"] {
-        println!("cargo::rerun-if-changed={embedded}"); // so that a new file is seen
+        println!("cargo::rerun-if-changed={embedded}"); // a new file is noticed too
     }
     println!("cargo::rerun-if-env-changed=SHADERC_LIB_DIR");
     if std::env::var_os("SHADERC_LIB_DIR").is_some() {
@@ -22,7 +22,7 @@ fn main() {
     println!("cargo::rustc-link-search=native={}", folder.display());
     for archive in ARCHIVES.iter().filter(|name| folder.join(format!("lib{name}.a")).exists()) {
         println!("cargo::rustc-link-lib=static={archive}");
-        // Again behind everything, for linkers that read archives once and in order.
+        // Repeated behind everything, for linkers that read archives once and in order.
         println!("cargo::rustc-link-arg=-l{archive}");
     }
     println!("cargo::rustc-link-arg=-lstdc++");

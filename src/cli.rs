@@ -1,4 +1,4 @@
-//! The command line, parsed and nothing else.
+//! The command line: its arguments and their parsing.
 
 mod bench;
 mod compare;
@@ -38,42 +38,42 @@ pub struct Cli {
 pub enum Command {
     /// Render a config: a picture, its EXR layers and the time of every pass
     Render(RenderArgs),
-    /// Trace paths through a config's scene: the truth that renders are held against
+    /// Path trace a config's scene: the reference that renders are compared with
     Reference(ReferenceArgs),
-    /// Write the scene of a config for another renderer, to check ours with
+    /// Write a config's scene for another renderer, to check ours against
     Export {
         #[command(subcommand)]
         format: ExportFormat,
     },
-    /// Say how far pictures are from their references
+    /// Print the errors of pictures against their references
     Compare(CompareArgs),
-    /// Run a table of a paper, or one's own, and print it beside the published figures
+    /// Run a table, of a paper or your own, and print it beside the published figures
     Reproduce(ReproduceArgs),
-    /// Show runs beside their reference, their errors and times, and tables: one HTML file
+    /// Write one HTML file that shows runs beside their references, with errors, times and tables
     Report(ReportArgs),
-    /// Walk a config's camera path and say how much what stays in sight flickers
+    /// Render a config's camera path and print how much surfaces in sight flicker
     Flicker(FlickerArgs),
-    /// Say how long the frames of a config take, pass by pass, and a line to paste into a bug report
+    /// Measure a config's frames, pass by pass, and print a line to paste into a bug report
     Bench(BenchArgs),
-    /// Say which devices there are, what runs on them, and what is missing for the rest
+    /// List devices, the methods that run on each, and the features that the others lack
     Doctor,
     /// List devices, stages, methods and presets
     List,
-    /// Print what a config takes as JSON Schema, by which an editor completes and checks it
+    /// Print the JSON Schema of configs, with which an editor completes and checks them
     Schema,
 }
 
-/// Reads the program's arguments; prints help, version or what is wrong with them and ends the program where that is all.
+/// Parses the program's arguments. Help, the version or an error is printed, and ends the program.
 pub fn parse() -> Cli {
     Cli::parse_from(with_command(std::env::args_os().collect()))
 }
 
-/// As [`parse`], for arguments that start with the program's name; errors end with code 2 through [`clap::Error::exit`].
+/// [`parse`] for given arguments, the program's name first. Errors end with code 2 through [`clap::Error::exit`].
 pub fn try_parse(arguments: Vec<OsString>) -> Result<Cli, clap::Error> {
     Cli::try_parse_from(with_command(arguments))
 }
 
-/// The short form: a config as the first argument means `render`. A file that is called as a command is given as ./NAME.
+/// Completes the short form: a config as the first argument means `render`. A file with a command's name is given as ./NAME.
 fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
     let commands = Cli::command();
     let is_command = |first: &OsString| first == "help" || commands.find_subcommand(first).is_some();
@@ -135,7 +135,7 @@ mod tests {
     fn a_config_alone_renders() {
         assert_eq!(render("first.toml -q --frames 3"), render("render first.toml -q --frames 3"));
         assert_eq!(render("Cargo.toml"), render("render Cargo.toml"));
-        // An existing file needs no ending; what is neither a file nor a command is a mistake.
+        // An existing file needs no ending; a name that is neither a file nor a command is a mistake.
         assert_eq!(render("./src/cli.rs").config, Path::new("./src/cli.rs"));
         assert_eq!(arguments("frist-light").unwrap_err().kind(), ErrorKind::InvalidSubcommand);
     }

@@ -1,17 +1,17 @@
-//! From sRGB to light and back, and how bright light is.
+//! sRGB encoding and decoding, and luminance.
 
 /// Luminance of a linear sRGB colour (Rec. 709).
 pub fn luminance(rgb: &[f32]) -> f64 {
     0.2126 * f64::from(rgb[0]) + 0.7152 * f64::from(rgb[1]) + 0.0722 * f64::from(rgb[2])
 }
 
-/// Decodes a number from 0 to 1 as sRGB encodes it.
+/// Linear value of an sRGB value, both from 0 to 1.
 pub fn srgb_to_linear(encoded: f32) -> f32 {
     let encoded = f64::from(encoded);
     (if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }) as f32
 }
 
-/// Encodes light from 0 to 1 as a byte of sRGB; what is beyond is clamped.
+/// sRGB byte of a linear value, clamped to 0 to 1.
 pub fn linear_to_srgb8(linear: f64) -> u8 {
     let linear = linear.clamp(0.0, 1.0);
     let encoded = if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };

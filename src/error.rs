@@ -1,8 +1,8 @@
-//! How a run ends: the exit codes of the program, and the one error type that carries them.
+//! Exit codes of the program, and the one error type that carries them.
 
 use std::fmt;
 
-/// Exit codes of the program. A failure that names none of them ends with [`Exit::BadInput`].
+/// Exit codes of the program. A failure without one ends with [`Exit::BadInput`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exit {
     /// A comparison was over its threshold.
@@ -15,11 +15,11 @@ pub enum Exit {
     DeviceLost = 4,
     /// Host or device memory ran out.
     OutOfMemory = 5,
-    /// A promised file could not be written.
+    /// A file could not be written.
     OutputNotWritten = 6,
 }
 
-/// A failure with the exit code that it ends the program with; context may be laid over it with `anyhow`.
+/// A failure with its exit code. `anyhow` contexts may be added around it.
 #[derive(Debug)]
 pub struct Failure {
     pub exit: Exit,
@@ -48,7 +48,7 @@ macro_rules! fail {
     };
 }
 
-/// The exit code of an error: that of the [`Failure`] in its chain.
+/// Exit code of the [`Failure`] in an error's chain.
 pub fn exit_code(error: &anyhow::Error) -> Exit {
     error.downcast_ref::<Failure>().map_or(Exit::BadInput, |failure| failure.exit)
 }

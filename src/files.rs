@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all.
+//! Writing files whole or not at all.
 
 use crate::fail;
 use anyhow::Result;
@@ -7,7 +7,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
-/// Writes a file at once: whoever looks at `path` sees what was there before or all of `bytes`, never a part.
+/// Writes a file atomically: a reader of `path` sees the old content or all of `bytes`, never a part.
 ///
 /// # Errors
 /// `OutputNotWritten` with the path and the reason; nothing is left beside `path` then.
@@ -15,8 +15,8 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
     replace(path, |file| file.write_all(bytes)).map_err(|error| not_written(path, &error))
 }
 
-/// Makes a folder, with those above it, and proves that a file can be written there: called before rendering begins, so
-/// that no hour of work ends at a closed door.
+/// Makes a folder and its parents, and checks that a file can be written there. Commands call this before they render, so that
+/// no hours of work are lost to a read-only folder.
 ///
 /// # Errors
 /// `OutputNotWritten` with the path and the reason.
@@ -30,9 +30,10 @@ pub fn prepare_folder(path: &Path) -> Result<()> {
         .map_err(|error| not_written(path, &error))
 }
 
-/// Has `fill` write a temporary file in the folder of `path` and renames it to `path`; whatever fails, the temporary file goes.
+/// Lets `fill` write a temporary file in the folder of `path`, then renames it to `path`. The temporary file is removed on
+/// failure.
 pub(crate) fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    // A rename would put a plain file in the place of a device or a pipe.
+    // A rename would replace a device or a pipe by a plain file.
     if fs::metadata(path).is_ok_and(|old| !old.is_file()) {
         return Err(io::Error::new(ErrorKind::AlreadyExists, "something that is no plain file has that name"));
     }
@@ -49,16 +50,16 @@ fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
     builder.prefix(".manylight-").suffix(".part");
     #[cfg(unix)]
     {
-        // As for any new file: the user's umask decides who may read it, where temporary files are their owner's alone.
+        // Permissions of any new file, by the user's umask; tempfile's default lets only the owner read.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     builder.tempfile_in(folder)
 }
 
-/// The error for a path that could not be written, with what to do about it.
+/// The error for a path that could not be written, with a remedy.
 pub(crate) fn not_written(path: &Path, error: &io::Error) -> anyhow::Error {
-    // tempfile adds the temporary file's name to the system's words, which says nothing to the user.
+    // tempfile adds the temporary file's name to the system's message, of no use to the user.
     let error_text = error.to_string();
     let reason = error_text.split_once(" at path ").map_or(error_text.as_str(), |(reason, _)| reason);
     let remedy = match error.kind() {
@@ -161,7 +162,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o555)).unwrap();
         if fs::write(folder.path().join("probe"), "").is_ok() {
-            // Past the test harness, which keeps the output of passing tests to itself.
+            // Written directly, since the test harness hides the printed output of passing tests.
             writeln!(io::stderr(), "SKIPPED: a read-only folder: this user may write there").unwrap();
             return;
         }

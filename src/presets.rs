@@ -1,20 +1,21 @@
-//! The configs that come with the program: `configs/*.toml`, embedded, so that they render from any folder by name.
+//! The configs in the binary: `configs/*.toml`, embedded, so that they render by name from any folder.
 
 use include_dir::{Dir, include_dir};
 
 static CONFIGS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/configs");
 
-/// Every preset's name and text, by name.
+/// Name and text of every preset, sorted by name.
 pub fn all() -> Vec<(&'static str, &'static str)> {
     texts(&CONFIGS)
 }
 
-/// Every table's name and text, by name: `configs/tables/*.toml`.
+/// Name and text of every table (`configs/tables/*.toml`), sorted by name.
 pub fn tables() -> Vec<(&'static str, &'static str)> {
     CONFIGS.get_dir("tables").map(texts).unwrap_or_default()
 }
 
-/// Every view's name and text, by name: `configs/views/*.toml`, each a scene that does not come with the program, a camera and its light.
+/// Name and text of every view (`configs/views/*.toml`), sorted by name. A view has a scene that does not come with the
+/// program, a camera and its light.
 pub fn views() -> Vec<(&'static str, &'static str)> {
     CONFIGS.get_dir("views").map(texts).unwrap_or_default()
 }
@@ -29,12 +30,12 @@ fn texts(folder: &'static Dir<'static>) -> Vec<(&'static str, &'static str)> {
     presets
 }
 
-/// A preset's text by its name.
+/// Text of a preset.
 pub fn find(name: &str) -> Option<&'static str> {
     all().into_iter().find(|(known, _)| *known == name).map(|(_, text)| text)
 }
 
-/// What a preset's first comment says of it.
+/// Title of a preset: its first comment.
 pub fn title(text: &str) -> &str {
     text.lines().next().and_then(|line| line.strip_prefix('#')).map_or("", str::trim)
 }

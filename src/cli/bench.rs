@@ -20,13 +20,13 @@ pub struct BenchArgs {
     /// Measured frames
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub runs: u32,
-    /// Frames before them that are not measured [default: frame.warmup of the config, at least 2]
+    /// Frames before the measured ones [default: frame.warmup of the config, at least 2]
     #[arg(long, value_name = "W", value_parser = clap::value_parser!(u32).range(..=1_000_000))]
     pub warmup: Option<u32>,
     /// Write timings.csv and run.json into a folder
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write what the host and the device did when, for ui.perfetto.dev or chrome://tracing
+    /// Write a timeline of host and device, for ui.perfetto.dev or chrome://tracing
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
     /// Print the whole record as JSON, in place of the table and the line
@@ -38,13 +38,13 @@ pub struct BenchArgs {
     /// Size of the picture in pixels, as in 960x540
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
-    /// How passes are timed
+    /// Timing mode of passes
     #[arg(long, value_name = "MODE", value_parser = PossibleValuesParser::new(choices("frame.timing")).map(String::from))]
     timing: Option<String>,
     /// The device to measure: part of its name, its index in `manylight list`, or cpu
     #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = device)]
     pub device: Option<DeviceChoice>,
-    /// Print what passes counted and what every resource takes, too
+    /// Print also the counts of passes and the memory of every resource
     #[arg(short, long)]
     pub verbose: bool,
     /// Print the line alone
@@ -53,7 +53,7 @@ pub struct BenchArgs {
 }
 
 impl BenchArgs {
-    /// As [`super::RenderArgs::overrides`].
+    /// See [`super::RenderArgs::overrides`].
     pub fn overrides(&self) -> Vec<String> {
         let mut overrides = self.sets.clone();
         overrides.extend(self.size.map(|[width, height]| format!("frame.size=[{width}, {height}]")));

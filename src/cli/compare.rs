@@ -20,41 +20,40 @@ worst as the largest, and the mean of the others.";
 #[derive(Debug, Clone, PartialEq, Args)]
 #[command(after_help = MEASURES)]
 pub struct CompareArgs {
-    /// An EXR or a PNG, or a folder: what `render` left, or frames
+    /// An EXR, a PNG, or a folder: a render's, or one of frames
     pub test: PathBuf,
-    /// What it is held against, of the same kind; frames are matched by name, and of one that is there as EXR and PNG the EXR is
-    /// taken
+    /// The reference, of the same kind. Frames are matched by name; of a frame that is there as EXR and as PNG the EXR is read
     pub reference: PathBuf,
-    /// A layer, or a sum as in direct+indirect; TEST=REFERENCE where the names differ; may be repeated [default: RGB, which is
-    /// the colours without a name]
+    /// A layer, or a sum as in direct+indirect; TEST=REFERENCE where the names differ; may be repeated [default: RGB, the
+    /// colours without a name]
     #[arg(long = "layer", value_name = "LAYER", value_parser = LayerPair::parse)]
     layers: Vec<LayerPair>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
-    /// Write a PNG of where the errors are, from black to pale yellow: FLIP, or for layers without it the error over the largest.
-    /// Where there are several frames or layers, a folder with a PNG for each
+    /// Write a PNG of the errors, from black to pale yellow: FLIP, or for layers without FLIP the error over the largest error.
+    /// For several frames or layers, a folder with a PNG each
     #[arg(long, value_name = "FILE")]
     pub heatmap: Option<PathBuf>,
-    /// Fail where a frame's rmse is over this
+    /// Fail if a frame's rmse is over X
     #[arg(long, value_name = "X", value_parser = threshold)]
     pub max_rmse: Option<f64>,
-    /// Fail where a frame's relmse is over this
+    /// Fail if a frame's relmse is over X
     #[arg(long, value_name = "X", value_parser = threshold)]
     pub max_relmse: Option<f64>,
-    /// Fail where a frame's flip is over this
+    /// Fail if a frame's flip is over X
     #[arg(long, value_name = "X", value_parser = threshold)]
     pub max_flip: Option<f64>,
-    /// Fail where a frame's worst is over this
+    /// Fail if a frame's worst is over X
     #[arg(long, value_name = "X", value_parser = threshold)]
     pub max_worst: Option<f64>,
-    /// Fail where a frame's energy is farther than this from 1
+    /// Fail if a frame's energy is farther than X from 1
     #[arg(long, value_name = "X", value_parser = threshold)]
     pub max_energy_error: Option<f64>,
 }
 
 impl CompareArgs {
-    /// The layers that are asked for, or the colours without a name.
+    /// The layers of `--layer`, or the colours without a name.
     pub fn layers(&self) -> Vec<LayerPair> {
         if self.layers.is_empty() { vec![LayerPair::radiance()] } else { self.layers.clone() }
     }

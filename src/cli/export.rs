@@ -23,19 +23,19 @@ pub struct MitsubaArgs {
     /// Size of the picture in pixels, as in 960x540
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
-    /// Which frame's camera and lights [default: the last frame's, as in a render]
+    /// Frame whose camera and lights are exported [default: the last frame, as in a render]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..1_000_000))]
     pub frame: Option<u32>,
 }
 
 impl MitsubaArgs {
-    /// Where the scene goes: `--output`, or a folder in that of a render.
+    /// Folder of the scene: `--output`, or `mitsuba` in a render's default folder.
     pub fn output(&self) -> PathBuf {
         let name = self.config.file_stem().unwrap_or("config".as_ref());
         self.output.clone().unwrap_or_else(|| Path::new("out").join(name).join("mitsuba"))
     }
 
-    /// As [`RenderArgs::overrides`].
+    /// See [`super::RenderArgs::overrides`].
     pub fn overrides(&self) -> Vec<String> {
         let mut overrides = self.sets.clone();
         overrides.extend(self.size.map(|[width, height]| format!("frame.size=[{width}, {height}]")));

@@ -17,21 +17,22 @@ its edges are as jagged as those of the frames.";
 #[derive(Debug, Clone, PartialEq, Args)]
 #[command(after_help = MEASURE)]
 pub struct FlickerArgs {
-    /// The config, a TOML file; its keyframes and its scene's animation are the walk
+    /// The config, a TOML file; its keyframes and its scene's animation are the camera path
     pub config: PathBuf,
     /// Folder for the results [default: out/<name of the config>/flicker]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// What flickers: RGB (the picture's radiance), direct, indirect or irradiance (without the surfaces' textures)
+    /// Layer whose flicker is measured: RGB (the picture's radiance), direct, indirect or irradiance (without surfaces'
+    /// textures)
     #[arg(long, value_name = "LAYER", default_value = "RGB")]
     pub layer: String,
-    /// Folder with a reference of each frame, as `manylight reference CONFIG --sequence` leaves
+    /// Folder with a reference of each frame, as `manylight reference CONFIG --sequence` writes
     #[arg(long, value_name = "DIR")]
     pub reference: Option<PathBuf>,
     /// Layer of the reference's files [default: that of --layer]
     #[arg(long, value_name = "LAYER", requires = "reference")]
     pub reference_layer: Option<String>,
-    /// Write a PNG a pair of frames of what changed, from black to pale yellow (half of the mean); what was left out is teal
+    /// Write a PNG of changes for each pair of frames, from black to pale yellow (half of the mean); pixels left out are teal
     #[arg(long)]
     pub heatmap: bool,
     /// Print JSON
@@ -40,7 +41,7 @@ pub struct FlickerArgs {
     /// Set a key of the config, as in --set vpls.count=4096; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     sets: Vec<String>,
-    /// Frames of the walk
+    /// Frames of the camera path
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     frames: Option<u32>,
     /// Size of the picture in pixels, as in 960x540
@@ -49,19 +50,19 @@ pub struct FlickerArgs {
     /// The device to render on: part of its name, its index in `manylight list`, or cpu
     #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = device)]
     pub device: Option<DeviceChoice>,
-    /// Print no progress and of the figures those of the walk alone
+    /// Print no progress, and only the figures of the whole path
     #[arg(short, long)]
     pub quiet: bool,
 }
 
 impl FlickerArgs {
-    /// Where the results go: `--output`, or a folder in that of a render.
+    /// Folder of the results: `--output`, or `flicker` in a render's default folder.
     pub fn output(&self) -> PathBuf {
         let name = self.config.file_stem().unwrap_or("config".as_ref());
         self.output.clone().unwrap_or_else(|| Path::new("out").join(name).join("flicker"))
     }
 
-    /// As [`super::RenderArgs::overrides`].
+    /// See [`super::RenderArgs::overrides`].
     pub fn overrides(&self) -> Vec<String> {
         let mut overrides = self.sets.clone();
         overrides.extend(self.frames.map(|frames| format!("frame.count={frames}")));

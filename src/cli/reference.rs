@@ -14,28 +14,28 @@ pub struct ReferenceArgs {
     output: Option<PathBuf>,
     #[command(flatten)]
     pub sequence: SequenceArgs,
-    /// Paths through each pixel
+    /// Paths per pixel
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=16_000_000))]
     pub spp: u32,
     /// Bounces of indirect light, each a layer of its own
     #[arg(long, value_name = "B", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=i64::from(crate::reference::MOST_BOUNCES)))]
     pub bounces: u32,
-    /// Stop after so many seconds, at the end of a sample; of a sequence each frame
+    /// Stop after this time, at the end of a sample; in a sequence it holds for each frame
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub time: Option<f64>,
-    /// Stop when the standard error of the pixels, as a root mean square, is under this part of the mean radiance
+    /// Stop when the standard error of the pixels (root mean square) is under this part of the mean radiance
     #[arg(long, value_name = "E", value_parser = positive)]
     pub target_error: Option<f64>,
-    /// Go on from what an earlier run left in the folder; frames of a sequence that are done are left as they are
+    /// Continue from the results in the folder; finished frames of a sequence stay as they are
     #[arg(long)]
     pub resume: bool,
-    /// Bound the light of near surfaces by gather.min_distance, as VPLs do: not the truth, but what they converge to
+    /// Clamp the light of near surfaces by gather.min_distance, as VPLs do: the limit that VPLs converge to, and not the truth
     #[arg(long)]
     pub min_distance: bool,
-    /// Look through the middles of the pixels alone, as a rasterized frame does: its jagged edges, for comparing pixel by pixel
+    /// Trace only through pixel centres, as a rasterized frame does: edges are as jagged, for comparing pixel by pixel
     #[arg(long)]
     pub centers: bool,
-    /// Which frame's camera and lights [default: the last frame's, as in a render]
+    /// Frame whose camera and lights are traced [default: the last frame, as in a render]
     #[arg(long, value_name = "N", conflicts_with = "sequence", value_parser = clap::value_parser!(u32).range(..1_000_000))]
     pub frame: Option<u32>,
     /// Set a key of the config, as in --set frame.seed=2; may be repeated
@@ -50,7 +50,7 @@ pub struct ReferenceArgs {
     /// Turn on the Vulkan validation layer; any message fails the run
     #[arg(long)]
     pub validate: bool,
-    /// Write what the host and the device did when, for ui.perfetto.dev or chrome://tracing
+    /// Write a timeline of host and device, for ui.perfetto.dev or chrome://tracing
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
     /// Print no progress
@@ -59,13 +59,13 @@ pub struct ReferenceArgs {
 }
 
 impl ReferenceArgs {
-    /// Where the results go: `--output`, or a folder in that of a render.
+    /// Folder of the results: `--output`, or `reference` in a render's default folder.
     pub fn output(&self) -> PathBuf {
         let name = self.config.file_stem().unwrap_or("config".as_ref());
         self.output.clone().unwrap_or_else(|| Path::new("out").join(name).join("reference"))
     }
 
-    /// As [`super::RenderArgs::overrides`].
+    /// See [`super::RenderArgs::overrides`].
     pub fn overrides(&self) -> Vec<String> {
         let mut overrides = self.sets.clone();
         overrides.extend(self.size.map(|[width, height]| format!("frame.size=[{width}, {height}]")));

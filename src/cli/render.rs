@@ -25,7 +25,7 @@ pub struct RenderArgs {
     size: Option<[u32; 2]>,
     #[command(flatten)]
     pub sequence: SequenceArgs,
-    /// How passes are timed
+    /// Timing mode of passes
     #[arg(long, value_name = "MODE", value_parser = PossibleValuesParser::new(choices("frame.timing")).map(String::from))]
     timing: Option<String>,
     /// The device to render on: part of its name, its index in `manylight list`, or cpu
@@ -34,16 +34,16 @@ pub struct RenderArgs {
     /// Turn on the Vulkan validation layer; any message fails the run
     #[arg(long)]
     pub validate: bool,
-    /// Write what a pass made, as in --dump gather/per-pixel; may be repeated
+    /// Write the results of a pass, as in --dump gather/per-pixel; may be repeated
     #[arg(long, value_name = "PASS")]
     pub dump: Vec<String>,
-    /// Count values that are no numbers after every pass
+    /// Count NaNs and infinities after every pass
     #[arg(long)]
     pub check_nan: bool,
-    /// Write what the host and the device did when, for ui.perfetto.dev or chrome://tracing
+    /// Write a timeline of host and device, for ui.perfetto.dev or chrome://tracing
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
-    /// Print the times of passes, what they counted and what every resource takes, too
+    /// Print also the times of passes, their counts and the memory of every resource
     #[arg(short, long)]
     pub verbose: bool,
     /// Print neither progress nor the table of times
@@ -52,12 +52,12 @@ pub struct RenderArgs {
 }
 
 impl RenderArgs {
-    /// Where the results go: `--output`, or `out/` and the config's name without its ending.
+    /// Folder of the results: `--output`, or `out/` and the config's name without its ending.
     pub fn output(&self) -> PathBuf {
         self.output.clone().unwrap_or_else(|| Path::new("out").join(self.config.file_stem().unwrap_or("config".as_ref())))
     }
 
-    /// What changes the config, for [`crate::config::load`]: the `--set` options in order, then the options that have a name.
+    /// Changes to the config, for [`crate::config::load`]: the `--set` options in order, then the options that have a name.
     pub fn overrides(&self) -> Vec<String> {
         let mut overrides = self.sets.clone();
         overrides.extend(self.frames.map(|frames| format!("frame.count={frames}")));

@@ -6,15 +6,15 @@ use std::path::PathBuf;
 
 #[derive(Debug, Clone, PartialEq, Args)]
 pub struct ReportArgs {
-    /// Folders that render, reference or reproduce left; a run's errors are held against the reference of the same scene, camera,
+    /// Folders that render, reference or reproduce wrote; a run is compared with the reference of the same scene, camera,
     /// lights, materials and size
     #[arg(required = true, value_name = "DIR")]
     pub folders: Vec<PathBuf>,
-    /// The HTML file, which needs no other
+    /// The HTML file; it needs no other file
     #[arg(short, long, value_name = "FILE", default_value = "report.html")]
     pub output: PathBuf,
-    /// What errors are of: a layer, or a sum as in direct+indirect; TEST=REFERENCE where the names differ; RGB are the colours
-    /// without a name
+    /// Layer to compare, or a sum as in direct+indirect; TEST=REFERENCE where the names differ; RGB are the colours without a
+    /// name
     #[arg(long = "layer", value_name = "LAYER", default_value = "RGB", value_parser = LayerPair::parse)]
     pub layers: LayerPair,
 }

@@ -17,33 +17,32 @@ On many machines, each takes a part of the runs, and one joins them:
 #[derive(Debug, Clone, PartialEq, Args)]
 #[command(after_help = SHARDS)]
 pub struct ReproduceArgs {
-    /// Tables that come with the program (`manylight list`), by name or by the beginning of their names up to a dash; TOML files;
-    /// or all
+    /// Tables that come with the program (`manylight list`), by name or by the name's part before a dash; TOML files; or all
     #[arg(required = true, value_name = "NAME|FILE|all")]
     pub tables: Vec<String>,
-    /// Folder for the results, in which each table has one of its own [default: out/tables]
+    /// Folder for the results, with a folder for each table [default: out/tables]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Multiply both sides of every picture
+    /// Factor for both sides of every picture
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = scale)]
     scale: f64,
-    /// Few frames each
+    /// Render few frames per run
     #[arg(long)]
     quick: bool,
-    /// Skip what is done
+    /// Skip runs that are done
     #[arg(long)]
     pub resume: bool,
-    /// Take every N-th run alone, from the I-th on, counted from 1
+    /// Take only every N-th run, from the I-th on, counted from 1
     #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with = "merge")]
     pub shard: Option<Shard>,
-    /// Run nothing: join what shards have left in their folders
+    /// Run nothing: join the results in the folders of shards
     #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with = "resume")]
     pub merge: Vec<PathBuf>,
     /// Set a key of the config in every cell, as in --set scene.triangles=20000; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     sets: Vec<String>,
-    /// A folder of scenes that tables know but that do not come with the program, such as sponza.glb; what is not there has a built-in
-    /// scene stand for it
+    /// Folder of scenes that tables use but that do not come with the program, such as sponza.glb; a built-in scene replaces a
+    /// missing one
     #[arg(long, value_name = "DIR")]
     pub scenes: Option<PathBuf>,
     /// The device to render on: part of its name, its index in `manylight list`, or cpu

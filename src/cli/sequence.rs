@@ -1,26 +1,26 @@
-//! The arguments of what leaves every frame of a config, and not the last one alone.
+//! The arguments of commands that can write every frame of a config in place of the last one.
 
 use clap::Args;
 
 #[derive(Debug, Clone, Copy, PartialEq, Args)]
 pub struct SequenceArgs {
-    /// Leave every frame, in DIR/frames: 0000.exr, 0000.png and so on
+    /// Write every frame, to DIR/frames: 0000.exr, 0000.png and so on
     #[arg(long)]
     pub sequence: bool,
-    /// Of a sequence the I-th of N parts alone, every N-th frame, as in 2/4: many machines may fill the same folder, or folders
-    /// of their own that are copied together afterwards
+    /// Take only part I of N of a sequence, every N-th frame, as in 2/4: many machines may fill the same folder, or folders of
+    /// their own that are copied together afterwards
     #[arg(long, value_name = "I/N", value_parser = shard, requires = "sequence")]
     pub shard: Option<Shard>,
 }
 
 impl SequenceArgs {
-    /// The frames of `0..count` that are this run's to make.
+    /// The frames of `0..count` that belong to this shard.
     pub fn frames(&self, count: u32) -> impl Iterator<Item = u32> + use<> {
         let Shard { part, of } = self.shard.unwrap_or(Shard { part: 1, of: 1 });
         (part - 1..count).step_by(of as usize)
     }
 
-    /// A file of the run by the part that it is of, so that the parts of a sequence go into one folder: `run.json`, or
+    /// Name of a file of the run, with the shard in it, so that the parts of a sequence go into one folder: `run.json`, or
     /// `run.2-of-4.json`.
     pub fn file_name(&self, stem: &str, ending: &str) -> String {
         match self.shard {
@@ -30,7 +30,7 @@ impl SequenceArgs {
     }
 }
 
-/// One of several equal parts of the work.
+/// Part `part` of `of` equal parts of the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     /// From 1 to `of`.
@@ -39,7 +39,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Whether the entry of a list with that number, counted from 0, is of this part.
+    /// Whether entry `number` of a list, counted from 0, belongs to this part.
     pub fn has(self, number: u32) -> bool {
         number % self.of == self.part - 1
     }

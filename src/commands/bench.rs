@@ -1,4 +1,4 @@
-//! `manylight bench CONFIG`: how long frames take, pass by pass.
+//! `manylight bench CONFIG`: the times of frames, pass by pass.
 
 use super::measure::{Frames, Pictures};
 use super::progress::Progress;
@@ -8,7 +8,7 @@ use crate::files::prepare_folder;
 use crate::report::{counts_table, memory_table, paste_line, timing_table};
 use anyhow::Result;
 
-/// Warms up, measures, and prints a table and one line.
+/// Warms up, measures, and prints a table and a line for bug reports.
 pub fn run(args: &BenchArgs) -> Result<()> {
     let setup = Setup::load(&args.config, &args.overrides())?;
     let config = &setup.config;
@@ -19,7 +19,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     let progress = Progress::new(args.quiet || args.json);
     let mut ready = setup.ready(On { device: args.device.as_ref(), validate: false }, &[], &progress)?;
 
-    // The animation begins again where it ends.
+    // The animation repeats when it ends.
     let frames: Vec<(u32, u32)> = (0..args.runs).map(|i| (i, i % config.frame.count)).collect();
     let warmup = args.warmup.unwrap_or_else(|| config.frame.warmup.max(2));
     let frames = Frames { warmup, measured: &frames, pictures: Pictures::None, dump: &[], check_nan: false };

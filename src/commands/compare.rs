@@ -1,4 +1,4 @@
-//! `manylight compare`: how far pictures are from their references.
+//! `manylight compare`: the errors of pictures against their references.
 
 use super::short;
 use crate::cli::CompareArgs;
@@ -11,8 +11,8 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Compares frame by frame; prints a line for each of them, or JSON at the end. Thresholds come last: whoever is over one still
-/// gets the figures and the heatmaps.
+/// Compares frame by frame and prints a line for each, or JSON at the end. Thresholds are checked last, so that a failing
+/// comparison still gives its figures and heatmaps.
 pub fn run(args: &CompareArgs) -> Result<()> {
     let frames = frames(&args.test, &args.reference)?;
     let layers = args.layers();
@@ -52,7 +52,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
 }
 
-/// The layers of a file, whose other channels do not stay in memory.
+/// The layers of a file. Its other channels do not stay in memory.
 fn images<'n>(path: &Path, layers: impl Iterator<Item = &'n [String]>) -> Result<Vec<Image>> {
     let file = ImageFile::open(path)?;
     layers.map(|names| file.layer(names)).collect()
@@ -75,10 +75,10 @@ impl Frame {
     }
 }
 
-/// What `render` leaves in its folder.
+/// Image in a folder of `render`.
 const RENDERED: &str = "image.exr";
 
-/// Two files, or the files of two folders by their names; a folder that `render` left stands for its image.
+/// Pairs of files: the two given, or those of two folders matched by name. A folder of `render` is replaced by its image.
 fn frames(test: &Path, reference: &Path) -> Result<Vec<Frame>> {
     let image = |path: &Path| if path.join(RENDERED).is_file() { path.join(RENDERED) } else { path.to_owned() };
     let [test, reference] = [test, reference].map(image);
@@ -103,7 +103,7 @@ fn frames(test: &Path, reference: &Path) -> Result<Vec<Frame>> {
     Ok(names.iter().map(|name| Frame::of(test.join(name), reference.join(name))).collect())
 }
 
-/// The names of a folder's images in their order. A PNG beside an EXR of its name shows the same frame, and is left out.
+/// The names of a folder's images, sorted. A PNG beside an EXR of its name shows the same frame, and is left out.
 fn image_names(folder: &Path) -> Result<BTreeSet<PathBuf>> {
     let cannot = |error: std::io::Error| fail!(BadInput, "{}: cannot be read ({error})", folder.display());
     let mut names = BTreeSet::new();
@@ -122,12 +122,12 @@ struct Report<'r> {
     test: &'r Path,
     reference: &'r Path,
     frames: &'r [Line<'r>],
-    /// A line a layer.
+    /// One line for each layer.
     summary: &'r [Line<'r>],
     over: &'r [Over],
 }
 
-/// The figures of a frame's layer.
+/// The figures of one layer of a frame.
 #[derive(Serialize)]
 struct Line<'f> {
     frame: &'f str,
@@ -144,7 +144,7 @@ impl Line<'_> {
         format!("{} {}{}", self.frame, self.layer, figures.collect::<String>())
     }
 
-    /// A layer may have any name, but leads to no other folder.
+    /// File name without path separators: a layer may have any name, but must not lead to another folder.
     fn heatmap_name(&self) -> String {
         format!("{}.{}.png", self.frame, self.layer.replace(['/', '\\'], "_"))
     }
@@ -155,7 +155,7 @@ fn summary<'f>(layer: &str, results: &[Line]) -> Option<Line<'f>> {
     Some(Line { frame: "all", layer: layer.to_owned(), measures: Measures::over_frames(&measures)? })
 }
 
-/// A figure that is over its threshold.
+/// A figure over its threshold.
 #[derive(Serialize)]
 struct Over {
     frame: String,
@@ -172,7 +172,7 @@ impl std::fmt::Display for Over {
     }
 }
 
-/// The measures that have a threshold: their names, their figures where the layer has them, and the thresholds.
+/// The measures that have a threshold: name, figure if the layer has it, and threshold.
 fn limited(args: &CompareArgs, measures: &Measures) -> impl Iterator<Item = (&'static str, Option<f64>, f64)> {
     let off = measures.energy.map(|energy| (energy - 1.0).abs());
     let all = [
@@ -185,7 +185,7 @@ fn limited(args: &CompareArgs, measures: &Measures) -> impl Iterator<Item = (&'s
     all.into_iter().filter_map(|(name, figure, limit)| limit.map(|limit| (name, figure, limit)))
 }
 
-/// A threshold for what a layer does not have would be kept by any picture.
+/// Refuses a threshold for a measure that the layer lacks: any picture would keep it.
 fn check_thresholds(args: &CompareArgs, result: &Line) -> Result<()> {
     match limited(args, &result.measures).find(|(_, figure, _)| figure.is_none()) {
         Some((measure, ..)) => Err(fail!(BadInput, "layer {} has no {measure} that could be held against a threshold", result.layer)),

@@ -1,11 +1,11 @@
-//! `manylight doctor`: what there is, what runs on it, and what is missing for the rest.
+//! `manylight doctor`: the devices, the methods that run on each, and the features that others lack.
 
 use crate::fail;
 use crate::gpu::{Adapter, Feature, Gpu, Options};
 use crate::{reference, stages};
 use anyhow::Result;
 
-/// Prints a page a device; fails where no device can render at all.
+/// Prints a page per device. Fails if no device can render.
 pub fn run() -> Result<()> {
     println!("manylight {}", env!("CARGO_PKG_VERSION"));
     let adapters = Gpu::adapters()?;

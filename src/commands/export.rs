@@ -1,4 +1,4 @@
-//! `manylight export mitsuba CONFIG`: a frame's scene for a renderer that is not ours.
+//! `manylight export mitsuba CONFIG`: a frame's scene for another renderer.
 
 use super::setup::Setup;
 use crate::cli::{ExportFormat, MitsubaArgs};
@@ -8,7 +8,7 @@ use crate::scene::source::load_scene;
 use crate::world::view;
 use anyhow::Result;
 
-/// Writes the scene in the wished format; prints where it is, and to stderr what differs from our own picture.
+/// Writes the scene in the given format. Prints its path, and to stderr the differences from our own picture.
 pub fn run(format: &ExportFormat) -> Result<()> {
     match format {
         ExportFormat::Mitsuba(args) => to_mitsuba(args),
@@ -20,7 +20,7 @@ fn to_mitsuba(args: &MitsubaArgs) -> Result<()> {
     let folder = args.output();
     prepare_folder(&folder)?;
     let (mut scene, mut warnings) = load_scene(&config.scene)?;
-    // The last frame is the one that a render keeps.
+    // A render keeps its last frame.
     let frame = args.frame.unwrap_or(config.frame.count - 1);
     let camera = view::camera(&config, &scene, scene.bounds(), frame)?;
     let lights = view::lights(&config, &scene, frame);

@@ -1,4 +1,4 @@
-//! `manylight flicker CONFIG`: how much what stays in sight changes from frame to frame along the config's walk.
+//! `manylight flicker CONFIG`: changes of visible surfaces from frame to frame along the config's camera path.
 
 use super::progress::Progress;
 use super::setup::{On, Ready, Setup};
@@ -15,7 +15,7 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Everything that `flicker.json` says.
+/// Content of `flicker.json`.
 #[derive(Serialize)]
 struct Report<'r> {
     #[serde(flatten)]
@@ -28,11 +28,11 @@ struct Report<'r> {
     /// The reference's folder and layer.
     reference_frames: Option<(&'r Path, &'r str)>,
     warnings: &'r [String],
-    /// The resolved config: it walks the same again.
+    /// The resolved config; it gives the same path again.
     config: serde_json::Value,
 }
 
-/// Renders the walk, prints a line a pair and one for all of it, and writes the figures.
+/// Renders the camera path, prints a line for each pair of frames and one for the whole, and writes the figures.
 pub fn run(args: &FlickerArgs) -> Result<()> {
     let setup = Setup::load(&args.config, &args.overrides())?;
     let config = &setup.config;
@@ -99,7 +99,7 @@ pub fn run(args: &FlickerArgs) -> Result<()> {
     Ok(())
 }
 
-/// The reference's file of each frame: in the folder itself, or in that of the frames that a sequence left in it.
+/// The reference's file of each frame, from the folder itself or from its `frames` folder if there is one.
 fn reference_files(folder: &Path, frames: u32) -> Result<Vec<PathBuf>> {
     let inner = folder.join(FRAMES);
     let folder = if inner.is_dir() { &inner } else { folder };
@@ -143,7 +143,7 @@ fn against(reference: Option<f64>, excess: Option<f64>, rmse: Option<f64>) -> St
     figures.iter().filter_map(|(name, figure)| figure.map(|figure| format!("  {name} {}", short(figure)))).collect()
 }
 
-/// A line a frame: the first has an error alone.
+/// One line per frame. The first frame has no pair, only an error.
 fn lines(walk: &Walk) -> Vec<FlickerLine> {
     let mut lines: Vec<FlickerLine> = vec![FlickerLine { frame: 0, ..FlickerLine::default() }];
     lines.extend(walk.steps.iter().map(|step| FlickerLine {

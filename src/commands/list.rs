@@ -6,7 +6,7 @@ use crate::presets;
 use crate::{reference, stages};
 use anyhow::Result;
 
-/// Prints the lists; a machine without Vulkan still lists the rest.
+/// Prints the lists. Without Vulkan the list of devices is empty, the others are printed all the same.
 pub fn run() -> Result<()> {
     println!("devices");
     match Gpu::adapters() {

@@ -1,4 +1,4 @@
-//! Frames of a config, warmed up and measured, and what they leave in a folder: the same for `render`, `bench` and `reproduce`.
+//! Warming up and measuring a config's frames, and writing their results: shared by `render`, `bench` and `reproduce`.
 
 use super::progress::Progress;
 use crate::config::Config;
@@ -13,20 +13,20 @@ use anyhow::Result;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Which frames run, and what comes back of them.
+/// The frames to run, and the results to bring back.
 pub struct Frames<'a> {
-    /// Frames that run first and are not measured: the driver compiles what it has not used yet.
+    /// Frames that run first and are not measured: the driver compiles pipelines at their first use.
     pub warmup: u32,
-    /// The measured ones, in order: the number that their times go by, and the frame of the config's animation.
+    /// The measured frames in order: the number that their times are listed under, and the frame of the config's animation.
     pub measured: &'a [(u32, u32)],
     pub pictures: Pictures,
-    /// Passes whose results are kept of the last frame.
+    /// Passes whose results in the last frame are kept.
     pub dump: &'a [String],
-    /// Whether values that are no numbers are counted in the last frame.
+    /// Whether NaNs and infinities are counted in the last frame.
     pub check_nan: bool,
 }
 
-/// Whose pictures are brought back; that takes no part in the times.
+/// Frames whose pictures are read back. Reading back is outside the measured times.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Pictures {
     None,
@@ -34,17 +34,17 @@ pub enum Pictures {
     All,
 }
 
-/// What measured frames gave.
+/// Results of measured frames.
 pub struct Measured {
     pub times: Vec<PassTime>,
-    /// The last frame.
+    /// Results of the last frame.
     pub last: Rendered,
     frames: u32,
     warmup: u32,
 }
 
 impl Frames<'_> {
-    /// Runs them; `on_frame` gets each with its number. The progress is told where there is one.
+    /// Runs the frames. `on_frame` gets each measured frame with its number.
     pub fn run(
         &self,
         renderer: &mut Renderer,
@@ -110,7 +110,7 @@ impl Measured {
         })
     }
 
-    /// What the run knows in numbers, and what passes counted.
+    /// Counts of the run itself, and those of its passes.
     fn counts(&self, renderer: &Renderer, config: &Config, first_pass_ms: Option<u64>) -> BTreeMap<String, u64> {
         let known = [
             ("scene/triangles", Some(renderer.world().device().triangles)),
@@ -122,20 +122,20 @@ impl Measured {
         known.chain(self.last.counts.iter().cloned()).collect()
     }
 
-    /// Writes `timings.csv` under a name.
+    /// Writes the times to `path` as CSV.
     pub fn write_times(&self, path: &Path, from: &Provenance) -> Result<()> {
         write_file(path, &timings_csv(&self.times, from)?)
     }
 }
 
-/// Writes a frame as EXR, with the layers that the config asks for, and as PNG.
+/// Writes a frame as EXR, with the layers that the config names, and as PNG.
 pub fn write_picture(exr: &Path, png: &Path, picture: &Picture, config: &Config, from: &Provenance) -> Result<()> {
     let [width, height] = picture.size;
     write_png(png, width, height, &picture.image)?;
     write_exr(exr, width, height, picture.layers(&config.output.layers), &from.of_image())
 }
 
-/// Fails where the validation layer said something.
+/// Fails if the validation layer reported anything.
 pub fn check_validation(renderer: &Renderer) -> Result<()> {
     let messages = renderer.gpu().validation_messages();
     match messages.first() {

@@ -1,4 +1,4 @@
-//! The program's commands, a file each. Results go to stdout, progress and warnings to stderr.
+//! The program's commands, one file each. Results go to stdout, progress and warnings to stderr.
 
 pub mod bench;
 pub mod compare;
@@ -38,12 +38,12 @@ pub fn run(cli: &Cli) -> Result<()> {
     }
 }
 
-/// A sequence may be cut into more parts than it has frames.
+/// The error of a shard without frames: a sequence may be cut into more parts than it has frames.
 fn no_frames(config: &Config) -> anyhow::Error {
     fail!(BadInput, "--shard: frame.count is {}, and none of these frames is in this part; take fewer parts", config.frame.count)
 }
 
-/// Four digits, and no 0 for what is merely small.
+/// Formats with four digits; small figures are written with an exponent, so that none but 0 is printed as 0.
 fn short(figure: f64) -> String {
     match figure {
         0.0 => "0".to_owned(),

@@ -1,9 +1,9 @@
-//! What a long run says of itself while it is at it.
+//! Progress of long runs.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
 
-/// A line on stderr that says what is going on; nothing where stderr is no terminal or the user wants quiet.
+/// A line of progress on stderr. It is hidden if stderr is no terminal or the user asked for quiet.
 pub struct Progress(ProgressBar);
 
 impl Progress {
@@ -21,7 +21,7 @@ impl Progress {
         self.0.suspend(|| eprintln!("manylight: warning: {what}"));
     }
 
-    /// A line on stdout, which the progress does not write into.
+    /// Prints a line to stdout that the progress does not overwrite.
     pub fn print(&self, line: &str) {
         self.0.suspend(|| println!("{line}"));
     }
@@ -36,14 +36,14 @@ impl Progress {
         self.0.set_position(u64::from(frame));
     }
 
-    /// Samples of a path tracer: how many of how many, how fast, and how long it will take.
+    /// Progress of a path tracer: samples done and in all, rays a second, time left.
     pub fn samples(&self, done: u64, of: u64, rays_a_second: f64) {
         if self.0.length() != Some(of)
             && let Ok(style) = ProgressStyle::with_template("{spinner} sample {pos}/{len} [{bar:30}] {msg}, {eta} left")
         {
             self.0.set_length(of);
             self.0.set_style(style);
-            // What an earlier run has done says nothing of this one's speed.
+            // Samples of an earlier run are left out of this one's speed.
             self.0.set_position(done);
             self.0.reset_eta();
         }
@@ -51,7 +51,7 @@ impl Progress {
         self.0.set_message(format!("{:.2} million rays/s", rays_a_second / 1e6));
     }
 
-    /// A step of a longer run: how many of how many are done, and what comes now.
+    /// Progress of a sweep: runs done and in all, and the present run.
     pub fn step(&self, done: u64, of: u64, what: &str) {
         if let Ok(style) = ProgressStyle::with_template("{spinner} run {pos}/{len} [{bar:30}] {msg}, {eta} left") {
             self.0.set_style(style);
@@ -65,7 +65,7 @@ impl Progress {
         self.0.tick();
     }
 
-    /// Does what prints.
+    /// Runs `print` with the progress hidden.
     pub fn suspend(&self, print: impl FnOnce()) {
         self.0.suspend(print);
     }

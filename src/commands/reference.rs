@@ -1,4 +1,4 @@
-//! `manylight reference CONFIG`: ground truth by path tracing, layer by layer, with its variance; of a frame or of all of them.
+//! `manylight reference CONFIG`: path-traced references with layers and variance, of one frame or of all.
 
 pub(super) mod frame;
 
@@ -25,10 +25,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Set by the first Ctrl-C; the second one ends the program at once.
 static STOPPED: AtomicBool = AtomicBool::new(false);
 
-/// The folder of the sums of a sequence's frames in that of a run.
+/// Folder of the sums of a sequence's frames, in the run's folder.
 const SUMS: &str = "sums";
 
-/// Traces until something says stop, and writes everything.
+/// Traces until a goal is reached or the user stops, and writes everything.
 pub fn run(args: &ReferenceArgs) -> Result<()> {
     let setup = Setup::load(&args.config, &args.overrides())?;
     let (config, sequence) = (&setup.config, args.sequence);
@@ -66,14 +66,14 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
 
     let mut traced: Vec<(u32, Traced)> = Vec::new();
     for frame in frames.iter().copied() {
-        // The first frame of a run that is stopped while it makes ready is begun nonetheless.
+        // A run that is stopped during its preparation still begins its first frame.
         if !traced.is_empty() && STOPPED.load(Ordering::Relaxed) {
             break;
         }
         let settings = settings(args, config, frame);
         let identity = truth_identity(&mut renderer, config, settings, &digest)?;
         let files = files(&folder, sequence.sequence.then_some(frame));
-        // A frame of a sequence may not have been begun; a run of one frame that cannot go on is a mistake.
+        // A frame of a sequence may not have been begun yet; a run of one frame that cannot be resumed is a mistake.
         let resumes = args.resume && (!sequence.sequence || files.sums.exists());
         let before = if resumes { Some(load_sums(&files.sums, &identity, config.frame.size, args.bounces)?) } else { None };
         let finished = match &before {
@@ -91,7 +91,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
         }
         traced.push((frame, of_frame));
     }
-    // A part of a sequence with its last frame leaves it as the whole sequence does.
+    // A part with the sequence's last frame writes it as image too, as the whole sequence does.
     let leaves_image = sequence.sequence && last_frame + 1 == config.frame.count && traced.len() == frames.len();
     if leaves_image {
         for ending in ["exr", "png"] {
@@ -112,7 +112,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     }
     let frames_made = if sequence.sequence { traced.len() } else { times.len() } as u32;
     let last_made = traced.last().map_or(last_frame, |(frame, _)| *frame);
-    // Of several frames the least sure one speaks for all.
+    // The record of several frames has the fewest samples and the largest error among them.
     let whole = Traced {
         samples: traced.iter().map(|(_, frame)| frame.samples).min().unwrap_or(0),
         rays: traced.iter().map(|(_, frame)| frame.rays).sum(),
@@ -150,7 +150,7 @@ fn percent(error: f64) -> String {
     if error.is_finite() { format!("{:.2} %", error * 100.0) } else { "unknown".to_owned() }
 }
 
-/// Where a run of one frame writes, or a frame of a sequence.
+/// Files of a run of one frame, or of a frame of a sequence.
 fn files(folder: &Path, frame: Option<u32>) -> Files {
     match frame {
         None => Files { sums: folder.join("sums.exr"), exr: folder.join("image.exr"), png: folder.join("image.png") },
@@ -171,7 +171,7 @@ fn settings(args: &ReferenceArgs, config: &Config, frame_index: u32) -> Settings
     Settings { bounces: args.bounces, frame_index, min_distance, centered: args.centers }
 }
 
-/// As [`identity`], on a device's shaders.
+/// [`identity`] and the key of the path tracer's shader.
 pub(super) fn truth_identity(renderer: &mut Renderer, config: &Config, settings: Settings, digest: &str) -> Result<String> {
     Ok(format!("{}-{}", identity(config, settings, digest), renderer.engine().shader_key("reference/path.comp")?.to_hex()))
 }

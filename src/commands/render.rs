@@ -1,4 +1,4 @@
-//! `manylight render CONFIG`: pictures, layers, times, and a record of how they came about.
+//! `manylight render CONFIG`: pictures, layers, times, and a record of the run.
 
 use super::measure::{Frames, Pictures, check_validation, write_picture};
 use super::no_frames;
@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Renders and writes everything; prints where it is and how long each stage took.
+/// Renders and writes everything. Prints the picture's path and the time of each stage.
 pub fn run(args: &RenderArgs) -> Result<()> {
     let setup = Setup::load(&args.config, &args.overrides())?;
     let (config, folder, sequence) = (&setup.config, args.output(), args.sequence);
@@ -54,7 +54,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     progress.say("writing");
     let writing = trace::span("writing");
     let image = folder.join("image.png");
-    // Of a sequence in parts, the part with the last frame leaves it as a whole sequence does.
+    // The shard with a sequence's last frame writes it as image too, as the whole sequence does.
     let leaves_image = last_frame + 1 == config.frame.count;
     if leaves_image {
         write_picture(&folder.join("image.exr"), &image, measured.picture(), config, from)?;
@@ -89,8 +89,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     check_validation(&ready.renderer)
 }
 
-/// Writes a dumped resource below `DIR/dump/<pass>/`: an image as EXR, its layers as such, a picture of 8 bits as PNG;
-/// a buffer as its bytes.
+/// Writes a dumped resource to `DIR/dump/<pass>/`: an image as EXR with its array layers, an 8-bit picture as PNG, a buffer as
+/// raw bytes.
 fn write_dump(folder: &Path, dump: &Dump) -> Result<String> {
     let folder = folder.join("dump").join(dump.pass.replace('/', "."));
     prepare_folder(&folder)?;

@@ -1,4 +1,4 @@
-//! `manylight reproduce TABLE`: runs the cells of a table, and prints them beside the figures of the paper.
+//! `manylight reproduce TABLE`: runs the cells of a table, and prints them beside the paper's figures.
 
 use super::measure::{Frames, Pictures, check_validation, write_picture};
 use super::progress::Progress;
@@ -21,7 +21,7 @@ use anyhow::{Context, Result};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Runs or merges every table that is asked for. All are read and planned before anything is rendered.
+/// Runs or merges every given table. All are read and planned before anything is rendered.
 pub fn run(args: &ReproduceArgs) -> Result<()> {
     let tables = args.tables.iter().map(|name| named(name)).collect::<Result<Vec<_>>>()?.concat();
     let mut planned: Vec<(Table, Plan, PathBuf)> = Vec::new();
@@ -37,7 +37,7 @@ pub fn run(args: &ReproduceArgs) -> Result<()> {
     let progress = Progress::new(args.quiet);
     let shaders = Library::new()?.key_of_all().to_hex().to_string();
     let mut session = Session { args, progress: &progress, shaders, open: None };
-    // Each table's runs have numbers of their own in the list of all, so that shards are about as long as each other.
+    // Runs are numbered over all tables, so that shards are about equally long.
     let mut number = 0;
     for (table, plan, folder) in &planned {
         prepare_folder(folder)?;
@@ -62,7 +62,7 @@ pub fn run(args: &ReproduceArgs) -> Result<()> {
     Ok(())
 }
 
-/// The tables of that name: text and path.
+/// Text and path of each table that the name means.
 fn named(name: &str) -> Result<Vec<(String, PathBuf)>> {
     let own = presets::tables();
     let path = Path::new(name);
@@ -82,20 +82,20 @@ fn named(name: &str) -> Result<Vec<(String, PathBuf)>> {
     Ok(found.into_iter().map(|(name, text)| ((*text).to_owned(), PathBuf::from(format!("{name}.toml")))).collect())
 }
 
-/// A device with a scene, which stay from run to run.
+/// A device with a scene, kept from run to run.
 struct Open {
     scene: SceneConfig,
-    /// What runs on it may need.
+    /// Needs of all runs on it.
     may_need: Needs,
     renderer: Renderer,
-    /// Of what the truth of this scene depends on.
+    /// Digest of everything in the scene that its reference depends on.
     digest: String,
 }
 
 struct Session<'a> {
     args: &'a ReproduceArgs,
     progress: &'a Progress,
-    /// The key of the shaders that runs are made with.
+    /// Key of the shaders that make the runs.
     shaders: String,
     open: Option<Open>,
 }
@@ -120,8 +120,8 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Passes, counts and resources are known to frames alone; all frames of the scene that comes first are asked. Opens the device
-    /// so that all of these can run on it.
+    /// Checks the table's names of passes, counts and resources, which only described frames know: all runs of the first scene
+    /// are asked. Opens the device so that all of them can run on it.
     fn check_names(&mut self, table: &Table, plan: &Plan, first: &Run) -> Result<()> {
         let same: Vec<&Run> = plan.runs.iter().filter(|run| run.config.scene == first.config.scene).collect();
         let all = same.iter().map(|run| needs_of(run)).fold(Needs::default(), Needs::and);
@@ -133,7 +133,7 @@ impl Session<'_> {
             names.passes.extend(passes.into_iter().map(str::to_owned));
             names.resources.extend(resources);
         }
-        // What only another scene's runs might have is found out when they run.
+        // Names that only another scene's runs may have are checked when these run.
         if same.len() == plan.runs.len() { names.check(table) } else { Ok(()) }
     }
 
@@ -176,11 +176,11 @@ impl Session<'_> {
         write_picture(&own.join("image.exr"), &own.join("image.png"), measured.picture(), config, &from)?;
         measured.write_times(&own.join("timings.csv"), &from)?;
         let warnings = [open.renderer.warnings(config), measured.last.warnings()].concat();
-        // Written last: where it is, all is.
+        // The record is written last: a run that has one is complete.
         measured.record(&open.renderer, config, &from, None, warnings)?.write(&own.join("run.json"))
     }
 
-    /// The device with the scene of a config; another one is given back first.
+    /// The device with the config's scene. A device with another scene is freed first.
     fn opened(&mut self, config: &Config, needs: Needs) -> Result<&mut Open> {
         let fits = |open: &Open| open.scene == config.scene && open.may_need == open.may_need.and(needs);
         if !self.open.as_ref().is_some_and(fits) {
@@ -196,12 +196,12 @@ impl Session<'_> {
     }
 }
 
-/// What a run needs of the world, its truth included.
+/// A run's needs, including those of its reference.
 fn needs_of(run: &Run) -> Needs {
     needs(&run.config).and(Needs { rays: run.needs_reference })
 }
 
-/// Brings what shards have left of a table into one folder.
+/// Copies a table's runs and references from the folders of shards into one folder.
 fn merge(parts: &[PathBuf], table: &Table, plan: &Plan, folder: &Path) -> Result<()> {
     let names = plan.runs.iter().map(|run| PathBuf::from("runs").join(&run.key));
     let truths = plan.runs.iter().filter(|run| run.needs_reference).map(|run| PathBuf::from("references").join(run.reference_key(table)));

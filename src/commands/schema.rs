@@ -1,4 +1,4 @@
-//! `manylight schema`: what a config takes, as JSON Schema.
+//! `manylight schema`: the JSON Schema of configs.
 
 use crate::config;
 use anyhow::Result;

@@ -1,5 +1,4 @@
-//! How a run is set up: its config, a device with the scene, what the user should be told, and the shaders. Whatever shows frames
-//! begins here.
+//! Setting up a run: config, device, scene, warnings and shaders. Every command that shows frames begins here.
 
 use super::progress::Progress;
 use crate::config::{self, Config};
@@ -20,7 +19,7 @@ use std::time::Instant;
 /// A config to run.
 pub struct Setup {
     pub config: Config,
-    /// Where it was read from; figures go by its name.
+    /// Path of the config; figures are listed under its name.
     path: PathBuf,
     started: Instant,
 }
@@ -28,33 +27,33 @@ pub struct Setup {
 /// The device to run on.
 #[derive(Clone, Copy)]
 pub struct On<'a> {
-    /// The best one if `None`.
+    /// The best device if `None`.
     pub device: Option<&'a DeviceChoice>,
-    /// Turns the validation layer on.
+    /// Whether the validation layer is on.
     pub validate: bool,
 }
 
-/// A device and a scene that is not on it yet.
+/// A device, and a scene not yet uploaded to it.
 pub struct Opened {
     gpu: Gpu,
     pub scene: Scene,
-    /// What the user should be told of the scene.
+    /// Warnings about the scene.
     pub warnings: Vec<String>,
 }
 
-/// A renderer that has checked a config and made its pipelines: the next thing is a frame.
+/// A renderer with a checked config and its pipelines, ready for frames.
 pub struct Ready {
     pub renderer: Renderer,
     pub from: Provenance,
     pub execution: Execution,
-    /// All that the user has been told.
+    /// All warnings printed so far.
     pub warnings: Vec<String>,
-    /// How long everything before the first pass took.
+    /// Time from the start to the first pass, ms.
     pub first_pass_ms: u64,
 }
 
 impl Setup {
-    /// Reads a config from a file, or by its name one of the presets that come with the program.
+    /// Reads a config from a file, or a preset by its name.
     ///
     /// # Errors
     /// `BadInput` with file, line and key.
@@ -67,8 +66,8 @@ impl Setup {
         Ok(Self { config, path: path.to_owned(), started })
     }
 
-    /// Opens the device, brings the scene to it, checks the config, warns of what it does not do well, and makes the pipelines. Passes to
-    /// `dump` must be there.
+    /// Opens the device, uploads the scene, checks the config, prints warnings, and makes the pipelines. Passes in `dump` must
+    /// exist.
     pub fn ready(&self, on: On, dump: &[String], progress: &Progress) -> Result<Ready> {
         let config = &self.config;
         progress.say("loading the scene");
@@ -90,14 +89,14 @@ impl Setup {
         })
     }
 
-    /// Where the figures of its run come from.
+    /// Provenance of the run's figures.
     pub fn provenance(&self, renderer: &Renderer) -> Provenance {
         provenance(&self.path, &self.config, renderer)
     }
 }
 
 impl Ready {
-    /// Tells the user something, and keeps it for the record.
+    /// Prints a warning, and keeps it for the record.
     pub fn warn(&mut self, warning: impl Into<String>, progress: &Progress) {
         let warning = warning.into();
         progress.warn(&warning);
@@ -105,7 +104,7 @@ impl Ready {
     }
 }
 
-/// Opens the device and loads the scene, each while the other is waited for.
+/// Opens the device and loads the scene, both at the same time.
 pub fn open(config: &Config, on: On) -> Result<Opened> {
     let options = Options { device: on.device.cloned().unwrap_or_default(), validate: on.validate };
     let (scene, gpu) = rayon::join(|| load_scene(&config.scene), || Gpu::new(&options));
@@ -114,18 +113,18 @@ pub fn open(config: &Config, on: On) -> Result<Opened> {
 }
 
 impl Opened {
-    /// Brings the scene to the device. `may_need` is what any config needs that is to run on it.
+    /// Uploads the scene. `may_need` covers every config that will run on it.
     pub fn bring(self, may_need: Needs) -> Result<Renderer> {
         Renderer::new(self.gpu, self.scene, may_need)
     }
 }
 
-/// How the frames of a config are run.
+/// Execution options of the config's frames.
 pub fn execution(config: &Config, renderer: &Renderer) -> Execution {
     Execution { timing: timing(config, &renderer.gpu().adapter), ..Execution::default() }
 }
 
-/// Where the figures of a config's run come from; they go by the name of `path`.
+/// Provenance of a config's figures, listed under the file name of `path`.
 pub fn provenance(path: &Path, config: &Config, renderer: &Renderer) -> Provenance {
     let adapter = &renderer.gpu().adapter;
     let (driver, version) = adapter.driver.split_once(' ').unwrap_or((adapter.driver.as_str(), ""));
@@ -149,7 +148,7 @@ pub fn provenance(path: &Path, config: &Config, renderer: &Renderer) -> Provenan
     }
 }
 
-/// Turns the recorder on where a trace is wanted, and proves that the file can be written.
+/// Starts the recorder if a trace was asked for, after a check that the folder is writable.
 pub fn begin_trace(path: Option<&Path>) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
@@ -158,7 +157,7 @@ pub fn begin_trace(path: Option<&Path>) -> Result<()> {
     Ok(())
 }
 
-/// Writes the trace where one is wanted.
+/// Writes the trace if one was asked for.
 pub fn end_trace(path: Option<&Path>, from: &Provenance) -> Result<()> {
     path.map_or(Ok(()), |path| trace::finish(path, &from.known()))
 }

@@ -1,4 +1,4 @@
-//! The truth of a table's run: traced once to its goal, and kept in the user's cache for the next table that asks for it.
+//! The reference of a table's run: traced once to its goal, and kept in the user's cache for other tables.
 
 use super::progress::Progress;
 use super::reference::frame::{Files, Goal};
@@ -14,16 +14,16 @@ use crate::tables::folders::reference_cache;
 use anyhow::Result;
 use std::path::Path;
 
-/// A truth that is asked for.
+/// A reference to provide.
 pub struct Truth<'a> {
     pub config: &'a Config,
-    /// Of the scene: [`crate::reference::scene_digest`].
+    /// [`crate::reference::scene_digest`] of the scene.
     pub digest: &'a str,
     pub goal: ReferenceGoal,
 }
 
 impl Truth<'_> {
-    /// Makes sure that `folder` has it.
+    /// Provides the reference in `folder`: kept there, copied from the cache, or traced.
     pub fn bring(&self, renderer: &mut Renderer, folder: &Path, table: &str, progress: &Progress) -> Result<()> {
         let settings = Settings {
             bounces: self.goal.bounces,
@@ -32,7 +32,7 @@ impl Truth<'_> {
             centered: self.goal.centers,
         };
         let identity = truth_identity(renderer, self.config, settings, self.digest)?;
-        // What is enough is part of the key: a truth that another table refined would give other figures than the first time.
+        // The goal is part of the key: a reference that another table refined would give other figures than the first time.
         let key = blake3::hash(format!("{identity} {} {}", self.goal.error, self.goal.samples).as_bytes()).to_hex();
         if is_of(folder, key.as_str()) {
             return Ok(());
@@ -53,7 +53,7 @@ impl Truth<'_> {
         let mut record = run.record(renderer, settings, &traced)?;
         record.checks.insert(IDENTITY.to_owned(), key.as_str().into());
         record.write(&folder.join(LAST))?;
-        // They are for going on alone, and larger than all the rest.
+        // Sums only serve to continue, and are larger than all other files.
         let _ = std::fs::remove_file(&files.sums);
         if let Some(kept) = kept
             && let Err(error) = copy_folder(folder, &kept)
@@ -64,20 +64,20 @@ impl Truth<'_> {
     }
 }
 
-/// What a record says of what its truth is of.
+/// Key of the reference in its record's checks.
 const IDENTITY: &str = "identity";
 
-/// Whether a folder holds that truth, and all of it.
+/// Whether a folder holds the whole reference with this key.
 fn is_of(folder: &Path, key: &str) -> bool {
     let record = std::fs::read(folder.join(LAST)).ok().and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok());
     record.is_some_and(|record| record["checks"][IDENTITY] == key)
 }
 
-/// Written last: where it is, all is.
+/// The record is written last: a folder that has one is complete.
 const LAST: &str = "run.json";
 const SUMS: &str = "sums.exr";
 
-/// Copies the files of a folder, each whole or not at all, its record last.
+/// Copies a folder's files, each whole or not at all, the record last.
 pub fn copy_folder(from: &Path, to: &Path) -> Result<()> {
     prepare_folder(to)?;
     let cannot = |error: std::io::Error| crate::fail!(BadInput, "{}: cannot be read ({error})", from.display());

@@ -1,18 +1,17 @@
-//! What the camera sees through the back of single-sided surfaces, which other renderers show from behind too.
+//! The picture's part behind single-sided surfaces: ours shows it through their backs, other renderers do not.
 
 use crate::scene::Scene;
 use crate::world::projection::View;
 use glam::Vec3;
 
-/// Rays across and down: enough to find what a user would see.
+/// Rays across and down, enough to find areas that a user would notice.
 const RAYS: [usize; 2] = [160, 90];
 
-/// The share of the picture, 0 to 1, where the first surface on the way is the back of a single-sided one. Masked surfaces are
-/// taken for holes.
+/// Share of the picture, 0 to 1, whose nearest surface is the back of a single-sided one. Masked surfaces count as holes.
 pub fn seen_through(scene: &Scene, view: &View) -> f32 {
     let [width, height] = RAYS.map(|rays| rays as f32);
     let (right, up, forward) = (Vec3::from(view.right), Vec3::from(view.up), Vec3::from(view.forward));
-    // On the axes of the picture: a ray goes along (x, y, 1), x and y in [-1, 1].
+    // Coordinates on the picture's axes: a ray goes along (x, y, 1), x and y in [-1, 1].
     let local = |p: Vec3| {
         let p = p - Vec3::from(view.position);
         Vec3::new(p.dot(right) / right.length_squared(), p.dot(up) / up.length_squared(), p.dot(forward))
@@ -32,7 +31,7 @@ pub fn seen_through(scene: &Scene, view: &View) -> f32 {
             if a.z.max(b.z).max(c.z) <= view.near {
                 continue;
             }
-            // A ray's crossing by Cramer's rule; the axes are left-handed, so that front faces have a positive volume.
+            // Intersection by Cramer's rule. The axes are left-handed, so that front faces have a positive volume.
             let (bc, ca, ab) = (b.cross(c), c.cross(a), a.cross(b));
             let volume = a.dot(bc);
             let hidden = volume < 0.0 && !material.double_sided;

@@ -1,17 +1,17 @@
-//! Draws merged into meshes in world space: one for all that shares a material, and what a material cannot say.
+//! Draws merged into meshes in world space: one mesh per material, vertex colours and handedness.
 
 use crate::scene::{Draw, Scene, pack};
 use glam::{Mat3, Vec2, Vec3};
 use std::collections::BTreeMap;
 
-/// What the triangles of a mesh share.
+/// Properties shared by a mesh's triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Kind {
     /// Index into [`Scene::materials`].
     pub material: u32,
-    /// Has vertex colours.
+    /// Whether vertices are coloured.
     pub colored: bool,
-    /// Has a normal map that lies mirrored on it: the bitangent is against `cross(normal, tangent)`.
+    /// Whether the normal map is mirrored: the bitangent is against `cross(normal, tangent)`.
     pub left_handed: bool,
 }
 
@@ -19,7 +19,7 @@ pub struct Kind {
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
     pub vertices: Vec<Corner>,
-    /// Counter-clockwise seen from the front.
+    /// Triangles, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -28,11 +28,11 @@ pub struct Corner {
     pub position: Vec3,
     pub normal: Vec3,
     pub uv: Vec2,
-    /// Linear RGBA, the material's factor included.
+    /// Linear RGBA, with the material's factor.
     pub color: [f32; 4],
 }
 
-/// Every triangle of the scene, instances written out.
+/// All triangles of the scene; instances are copied.
 pub fn merge(scene: &Scene) -> BTreeMap<Kind, Mesh> {
     let mut meshes: BTreeMap<Kind, Mesh> = BTreeMap::new();
     for draw in &scene.draws {
@@ -40,7 +40,7 @@ pub fn merge(scene: &Scene) -> BTreeMap<Kind, Mesh> {
         let colored = scene.draw_vertices(draw).any(|vertex| vertex.color != u32::MAX);
         let indices = &scene.indices[draw.first_index as usize..(draw.first_index + draw.index_count) as usize];
         let used = indices.iter().max().map_or(0, |most| *most as usize + 1);
-        // Where each vertex went in the mesh of either handedness.
+        // New index of each vertex in the mesh of either handedness.
         let mut places = [vec![u32::MAX; used], vec![u32::MAX; if normal_map { used } else { 0 }]];
         for triangle in indices.chunks_exact(3) {
             let tangent = scene.vertices[(draw.vertex_offset + triangle[0]) as usize].tangent;
@@ -66,7 +66,7 @@ fn corner(scene: &Scene, draw: &Draw, index: u32) -> Corner {
     let factor = scene.materials[draw.material as usize].base_color;
     let color = vertex.color.to_le_bytes();
     let linear = Mat3::from(draw.transform.matrix3);
-    // As glsl/gbuffer/draw.vert does: the cofactor matrix, with the sign that keeps normals on their side.
+    // Normals transform as in glsl/gbuffer/draw.vert: by the cofactor matrix, with the sign that keeps them on their side.
     let cofactor =
         Mat3::from_cols(linear.y_axis.cross(linear.z_axis), linear.z_axis.cross(linear.x_axis), linear.x_axis.cross(linear.y_axis));
     let orientation = if linear.x_axis.dot(cofactor.x_axis) < 0.0 { -1.0 } else { 1.0 };
@@ -79,7 +79,7 @@ fn corner(scene: &Scene, draw: &Draw, index: u32) -> Corner {
 }
 
 impl Mesh {
-    /// The other face: turned around, and `distance` behind, so that no ray meets both at once.
+    /// The back face: flipped, and `distance` behind, so that no ray hits both faces at once.
     pub fn back(&self, distance: f32) -> Self {
         let turned = |corner: &Corner| Corner { position: corner.position - corner.normal * distance, normal: -corner.normal, ..*corner };
         Self {

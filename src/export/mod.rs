@@ -1,4 +1,4 @@
-//! Scenes for renderers that are not ours, so that pictures can be checked by a program that shares no line with this one.
+//! Scenes for other renderers: independent programs that our pictures can be checked against.
 
 mod behind;
 mod meshes;
@@ -6,7 +6,7 @@ pub mod mitsuba;
 mod ply;
 mod xml;
 
-/// What a user should know of an export: sentences, each said once.
+/// Warnings about an export, without repetitions.
 #[derive(Debug, Default)]
 pub struct Warnings(Vec<String>);
 
@@ -23,13 +23,13 @@ impl Warnings {
     }
 }
 
-/// File names and ids made of any text: letters, digits, `-` and `_` of ASCII, and no two alike, whatever a file system makes
-/// of capitals.
+/// Unique file names and ids from any text: ASCII letters, digits, `-` and `_`. No two names differ only in case, which some
+/// file systems ignore.
 #[derive(Debug, Default)]
 struct Names(std::collections::BTreeSet<String>);
 
 impl Names {
-    /// Of endless names only the beginning.
+    /// Limit of a name's characters; longer ones are cut.
     const LONGEST: usize = 48;
 
     fn unique(&mut self, wish: &str) -> String {

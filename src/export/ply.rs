@@ -1,8 +1,8 @@
-//! Binary PLY meshes with normals, texture coordinates and, where there are any, vertex colours.
+//! Binary PLY meshes with normals, texture coordinates and optional vertex colours.
 
 use super::meshes::Mesh;
 
-/// A mesh as the bytes of a file; `colored` adds the vertex colours, which Mitsuba knows as `vertex_color`.
+/// A mesh as the bytes of a PLY file. `colored` adds vertex colours, which Mitsuba names `vertex_color`.
 pub fn encode(mesh: &Mesh, colored: bool) -> Vec<u8> {
     let mut properties = vec!["x", "y", "z", "nx", "ny", "nz", "u", "v"];
     if colored {

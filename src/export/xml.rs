@@ -1,8 +1,8 @@
-//! XML as Mitsuba reads it: elements with attributes and children, no text.
+//! Mitsuba's XML: elements with attributes and children, without text.
 
 use std::fmt::{self, Display, Write};
 
-/// An element; `Display` writes it with all that it holds.
+/// An element; `Display` writes it with its children.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Element {
     tag: &'static str,
@@ -15,12 +15,12 @@ impl Element {
         Self { tag, attributes: Vec::new(), children: Vec::new() }
     }
 
-    /// An object of Mitsuba's, made by a plugin.
+    /// An object of Mitsuba, made by the plugin `kind`.
     pub fn plugin(tag: &'static str, kind: &str) -> Self {
         Self::new(tag).with("type", kind)
     }
 
-    /// A number of an object, or another property that is one word.
+    /// A property of an object: a number or a word.
     pub fn value(tag: &'static str, name: &str, value: impl Display) -> Self {
         Self::new(tag).with("name", name).with("value", value)
     }
@@ -33,7 +33,7 @@ impl Element {
         Self::new(tag).with("name", name).with("x", x).with("y", y).with("z", z)
     }
 
-    /// A placement by where it stands, what it looks at, and what is up.
+    /// A transform from its origin, target and up vector.
     pub fn look_at(origin: glam::Vec3, target: glam::Vec3, up: glam::Vec3) -> Self {
         let list = |v: glam::Vec3| format!("{}, {}, {}", v.x, v.y, v.z);
         let look = Self::new("lookat").with("origin", list(origin)).with("target", list(target)).with("up", list(up));
@@ -68,7 +68,7 @@ impl Element {
                 '<' => f.write_str("&lt;"),
                 '>' => f.write_str("&gt;"),
                 '"' => f.write_str("&quot;"),
-                // No way of writing them makes these XML.
+                // XML has no spelling for control characters.
                 c if c.is_control() => f.write_char(' '),
                 c => f.write_char(c),
             })?;

@@ -1,4 +1,4 @@
-//! Images out of files.
+//! Images from files.
 
 use super::{Content, Image};
 use crate::color::srgb_to_linear;
@@ -17,17 +17,17 @@ use std::path::Path;
 pub struct ImageFile {
     name: String,
     width: usize,
-    /// What its colours are.
+    /// Content of the colour layers.
     colors: Content,
-    /// By full name (`R`, `direct.R`).
+    /// Channels by full name (`R`, `direct.R`).
     channels: BTreeMap<String, Vec<f32>>,
 }
 
 impl ImageFile {
-    /// Reads an image; whether it is an EXR or a PNG, its first bytes say. A PNG is taken for sRGB and made linear.
+    /// Reads an EXR or a PNG, told apart by the first bytes. A PNG is taken as sRGB and made linear.
     ///
     /// # Errors
-    /// `BadInput` with the path and what is wrong with the file.
+    /// `BadInput` with the path and the fault of the file.
     pub fn open(path: &Path) -> Result<Self> {
         let name = path.display().to_string();
         let mut start = Vec::new();
@@ -37,7 +37,7 @@ impl ImageFile {
             b"\x76\x2f\x31\x01" => {
                 let exr = read_exr(path)?;
                 let pixels = exr.width as usize * exr.height as usize;
-                // A channel may be stored for every other pixel alone, and the standard lets an image be empty.
+                // EXR allows a channel stored only for every other pixel, and an empty image.
                 if let Some((channel, _)) = exr.channels.iter().find(|(_, values)| values.is_empty() || values.len() != pixels) {
                     return Err(fail!(BadInput, "{name}: channel {channel} does not have one number for every pixel"));
                 }
@@ -53,7 +53,7 @@ impl ImageFile {
         }
     }
 
-    /// What [`Self::layer`] takes: `RGB` for the colours without a name, the name of a layer of three channels, or that of a
+    /// Names for [`Self::layer`]: `RGB` for the colours without a name, the name of a layer of three channels, or that of a
     /// single channel.
     pub fn layers(&self) -> BTreeSet<String> {
         let layer_of = |channel: &String| {
@@ -71,8 +71,8 @@ impl ImageFile {
     /// A layer by its name, or the sum of several.
     ///
     /// # Errors
-    /// `BadInput` with the path and the layers that there are, where one is missing; where two cannot be added; and where a number
-    /// is not finite.
+    /// `BadInput` with the path: for a missing layer with the layers of the file, for layers that cannot be added, and for a
+    /// number that is not finite.
     pub fn layer(&self, names: &[String]) -> Result<Image> {
         let found = names.iter().map(|name| self.find(name)).collect::<Result<Vec<Channels>>>()?;
         let [first, others @ ..] = found.as_slice() else { unreachable!("a layer has a name") };
@@ -117,7 +117,7 @@ impl ImageFile {
     }
 }
 
-/// Of a layer, in the order of their letters.
+/// Channels of a layer, in the order of their letters.
 struct Channels<'f> {
     content: Content,
     letters: Vec<&'f str>,
@@ -214,7 +214,7 @@ mod tests {
         let file = ImageFile::open(&write(&folder, vec![layer])).unwrap();
         let error = format!("{:#}", file.layer(&names("direct")).unwrap_err());
         assert!(error.ends_with("image.exr: layer direct: channel B is not a number at pixel (1, 1)"), "{error}");
-        // Nor does a sum hide that it left the range of numbers.
+        // A sum that overflows is not finite either.
         let far = ExrLayer::interleaved("far", "Z", 1, &[f32::MAX; PIXELS], Precision::Float);
         let error = format!("{:#}", ImageFile::open(&write(&folder, vec![far])).unwrap().layer(&names("far.Z+far.Z")).unwrap_err());
         assert!(error.ends_with("image.exr: layer far.Z+far.Z: channel Z is infinite at pixel (0, 0)"), "{error}");

@@ -1,13 +1,13 @@
-//! Flicker: how much what stays in sight changes from frame to frame.
+//! Flicker: changes of visible surfaces from frame to frame.
 //!
-//! The temporal image difference of Barák, Bittner and Havran 2013, section 6.2: each pixel of a frame is looked for in the next
-//! one by its world position, and the figure is the root mean square of the differences of intensity over the pixels that were
-//! found. An intensity is the luminance of a colour, in the colour's unit.
+//! The temporal image difference of Barák, Bittner and Havran 2013, section 6.2: each pixel of a frame is looked up in the next
+//! frame by its world position. The figure is the root mean square of the differences of intensity over the matched pixels. An
+//! intensity is the luminance of a colour, in the colour's unit.
 //!
-//! A pixel is compared with the **nearest** pixel of the next frame, not with a blend of four. A blend averages noise away, by an
-//! amount that depends on where the camera's motion puts the four: noise of variance s² would give a flicker from √(5/4) s to √2 s.
-//! With the nearest pixel it is √2 s however the camera moves, and 0 where nothing does. The price is that a gradient shows by up
-//! to half a pixel of it, whatever lights the picture: a reference sequence through the same matches says how much that is.
+//! A pixel is compared with the **nearest** pixel of the next frame, not with a blend of four. A blend averages noise away, by
+//! an amount that depends on the camera's motion within a pixel: noise of variance s² would give a flicker from √(5/4) s to √2
+//! s. With the nearest pixel it is √2 s for any motion, and 0 without motion. The price is an error of up to half a pixel's
+//! gradient, in any lighting. A reference sequence compared by the same matches shows how large it is.
 
 use super::heatmap;
 use crate::world::projection::View;
@@ -15,38 +15,38 @@ use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Cosine of 20 degrees: what is turned farther is another surface, or another side of it.
+/// Cosine of 20 degrees: surfaces turned farther are taken as different, or as another side.
 const SAME_NORMAL: f32 = 0.939_692_6;
 
-/// A point may be so many pixels' footprints off the tangent plane of what it is compared with. On one surface it is off by its
-/// curvature, and by the slope of its shading normal against it, which is not the tangent plane's.
+/// Allowed distance of a point from the tangent plane of its match, in pixel footprints. On one surface, curvature and the
+/// difference between shading normal and tangent plane cause such distances.
 const OFF_PLANE: f64 = 1.0;
 
-/// And so many, stretched as the surface is slanted, along it. The nearest pixel's centre is at most 0.71 away; the rest is for
-/// shading normals that are less slanted than their surface.
+/// Allowed distance of a point along its match's plane, in pixel footprints stretched by the surface's slant. The nearest
+/// pixel's centre is at most 0.71 away; the rest is for shading normals less slanted than their surface.
 const ALONG_PLANE: f64 = 2.0;
 
-/// Slants beyond about 84 degrees stretch no more.
+/// Least cosine of the slant: beyond about 84 degrees footprints stretch no more.
 const MOST_SLANTED: f64 = 0.1;
 
-/// What the pixels of a frame show, row by row from the top.
+/// Surfaces seen by a frame's pixels, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surfaces {
     pub view: View,
-    /// World positions, metres.
+    /// World positions, m.
     pub positions: Vec<Vec3>,
-    /// World normals of length 1; zero where a pixel shows no surface.
+    /// World normals of length 1; zero for pixels without surface.
     pub normals: Vec<Vec3>,
 }
 
-/// What became of a pixel in the next frame.
+/// Match of a pixel in the next frame, or the reason for its lack.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fate {
-    /// It is shown by the next frame's pixel of this number.
+    /// Index of the next frame's pixel that shows the same surface.
     Matched(u32),
-    /// It shows no surface.
+    /// The pixel shows no surface.
     Empty,
-    /// It went out of the picture.
+    /// The surface left the picture.
     Outside,
     /// Another surface is there, or none.
     Hidden,
@@ -54,51 +54,51 @@ pub enum Fate {
     Turned,
 }
 
-/// What became of each pixel of a frame in the next one.
+/// Fate of each pixel of a frame in the next frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Matches(Vec<Fate>);
 
 /// The flicker between two frames.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pair {
-    /// Root mean square of the differences of the matched pixels' intensities; `None` where no pixel was matched.
+    /// Root mean square of the matched pixels' differences of intensity; `None` without a match.
     pub flicker: Option<f64>,
-    /// Mean intensity of the matched pixels in both frames: what `flicker` may be held against.
+    /// Mean intensity of the matched pixels in both frames, to compare `flicker` with.
     pub mean: Option<f64>,
-    /// Pixels of the first frame that the next one shows again.
+    /// Pixels of the first frame with a match in the next.
     pub matched: u64,
-    /// Those that show a surface at all: `matched`, `outside`, `hidden` and `turned` together.
+    /// Pixels with a surface: the sum of `matched`, `outside`, `hidden` and `turned`.
     pub surfaces: u64,
-    /// Those whose surface went out of the picture.
+    /// Pixels whose surface left the picture.
     pub outside: u64,
-    /// Those in whose place another surface is seen.
+    /// Pixels at whose place another surface is seen.
     pub hidden: u64,
-    /// Those in whose place the surface faces another way.
+    /// Pixels at whose place the surface faces another way.
     pub turned: u64,
-    /// All of them.
+    /// All pixels.
     pub pixels: u64,
 }
 
-/// The flicker over a walk.
+/// The flicker over a camera path.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Flicker {
-    /// Root mean square over the matched pixels of all pairs together: a pair counts by its matched pixels.
+    /// Root mean square over the matched pixels of all pairs together; a pair is weighted by its matched pixels.
     pub flicker: f64,
-    /// Mean of the pairs' flicker, each pair counting the same.
+    /// Mean of the pairs' flicker, equally weighted.
     pub mean_of_pairs: f64,
-    /// The flicker of the worst pair.
+    /// Flicker of the worst pair.
     pub largest: f64,
     /// Mean intensity of the matched pixels.
     pub mean: f64,
-    /// Matched pixels over those that show a surface, of all pairs.
+    /// Matched pixels over pixels with a surface, of all pairs.
     pub matched_share: f64,
 }
 
-/// Looks for each pixel of a frame in the next one. The two may differ in size.
+/// Matches each pixel of a frame in the next one. Their sizes may differ.
 ///
-/// A pixel's world position is projected into the next view, and the pixel there is its match unless what it shows is elsewhere:
-/// farther than a pixel's footprint off the tangent plane, farther along it than the nearest pixel can be, or turned by more than
-/// 20 degrees.
+/// A pixel's world position is projected into the next view. The pixel there is the match, unless its surface is elsewhere:
+/// farther than a pixel's footprint off the tangent plane, farther along it than the nearest pixel can be, or turned by more
+/// than 20 degrees.
 pub fn matches(previous: &Surfaces, next: &Surfaces) -> Matches {
     previous.check();
     next.check();
@@ -112,7 +112,7 @@ impl Surfaces {
         assert!(self.positions.len() == pixels && self.normals.len() == pixels, "a position and a normal for each of {pixels} pixels");
     }
 
-    /// What this frame shows of a point of the one before.
+    /// Fate in this frame of a point of the frame before.
     fn fate(&self, position: Vec3, normal: Vec3) -> Fate {
         if normal == Vec3::ZERO {
             return Fate::Empty;
@@ -146,7 +146,7 @@ impl Matches {
         &self.0
     }
 
-    /// The next frame's intensity less the first one's, for each pixel of the first; `None` where it has no match.
+    /// Intensity of the next frame minus the first one's, for each pixel of the first; `None` without a match.
     pub fn differences(&self, previous: &[f32], next: &[f32]) -> Vec<Option<f64>> {
         assert_eq!(previous.len(), self.0.len(), "an intensity a pixel");
         let difference = |(fate, was): (&Fate, &f32)| match fate {
@@ -187,7 +187,7 @@ impl Matches {
 }
 
 impl Flicker {
-    /// Over the pairs of a walk; `None` where no pixel of any was matched.
+    /// The flicker over a path's pairs; `None` if no pixel of any pair has a match.
     pub fn over(pairs: &[Pair]) -> Option<Self> {
         let matched: u64 = pairs.iter().map(|pair| pair.matched).sum();
         let surfaces: u64 = pairs.iter().map(|pair| pair.surfaces).sum();
@@ -206,14 +206,14 @@ impl Flicker {
     }
 }
 
-/// What a pixel without a match is shown in: no colour of the map of errors.
+/// Colour of pixels without a match, outside the heatmap's colours.
 const UNMATCHED: [u8; 3] = [0, 70, 80];
 
-/// A pixel's share of the mean intensity that [`difference_map`] shows brightest.
+/// Difference shown brightest by [`difference_map`], as a part of the mean intensity.
 const BRIGHTEST: f64 = 0.5;
 
-/// Differences as sRGB bytes, three a pixel: black where nothing changed, by way of purple and orange to pale yellow where the
-/// intensity changed by half of `mean`, and dark teal where a pixel has no match.
+/// Differences as sRGB bytes, three per pixel: from black for none, through purple and orange, to pale yellow for half of
+/// `mean`. Pixels without a match are dark teal.
 pub fn difference_map(differences: &[Option<f64>], mean: f64) -> Vec<u8> {
     let scale = if mean > 0.0 { 1.0 / (BRIGHTEST * mean) } else { 0.0 };
     let errors: Vec<f32> = differences.iter().map(|difference| (difference.unwrap_or(0.0).abs() * scale) as f32).collect();

@@ -1,4 +1,4 @@
-//! FLIP, the difference that is seen when two pictures are shown in turn (Andersson et al. 2020), and HDR-FLIP, its maximum over
+//! FLIP, the difference seen when two pictures are flipped between (Andersson et al. 2020), and HDR-FLIP, its maximum over
 //! exposures (Andersson et al. 2021).
 
 use super::Image;
@@ -6,27 +6,27 @@ use crate::color::{linear_to_srgb8, luminance};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Rows that are looked at in one go; an image of any size takes the memory of a few bands.
+/// Rows per band. An image of any size takes the memory of a few bands.
 const BAND: usize = 64;
-/// How far FLIP's filters reach at 67 pixels a degree: the blue-yellow one, 3 sqrt(0.04 / 2π²) of a degree, reaches farthest. What
-/// is farther from a band changes nothing there.
+/// Reach of FLIP's filters at 67 pixels a degree, pixels: the blue-yellow filter has the largest, 3 sqrt(0.04 / 2π²) of a
+/// degree. Pixels farther from a band do not affect it.
 const REACH: usize = 10;
 
-/// The exposures at which HDR-FLIP looks, in stops.
+/// Exposures of HDR-FLIP, in stops.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Exposures {
-    /// Where the reference's brightest pixel is shown at 0.85 of white.
+    /// Exposure that shows the reference's brightest pixel at 0.85 of white.
     pub start: f64,
-    /// Where its median is.
+    /// Exposure that shows the reference's median at 0.85 of white.
     pub stop: f64,
-    /// As many, at even steps from the one to the other.
+    /// Number of exposures, evenly spaced from `start` to `stop`.
     pub count: usize,
 }
 
 impl Exposures {
-    /// The exposures that a reference asks for. Where more than half of it is black, the median is that of the rest, and one
-    /// more than 24 stops below the maximum counts as 24: neither shows anything, and the paper's formula has no answer. Exposure
-    /// 0 alone for a reference without any light.
+    /// The exposures for a reference. If more than half of it is black, the median is taken over the rest. A median more than
+    /// 24 stops below the maximum is raised to 24 stops: neither case shows anything, and the paper's formula is undefined
+    /// there. A black reference has exposure 0 alone.
     pub fn of(reference: &Image) -> Self {
         let mut luminances: Vec<f32> = reference.values().par_chunks_exact(3).map(|pixel| luminance(pixel) as f32).collect();
         let brightest = luminances.iter().copied().fold(0.0, f32::max);
@@ -50,7 +50,7 @@ impl Exposures {
     }
 }
 
-/// The mean of the two in the middle where there are as many on either side.
+/// Median; the mean of the two middle values of an even number.
 fn median(values: &mut [f32]) -> f64 {
     let count = values.len();
     let (below, &mut upper, _) = values.select_nth_unstable_by(count / 2, f32::total_cmp);
@@ -58,36 +58,36 @@ fn median(values: &mut [f32]) -> f64 {
     (f64::from(lower) + f64::from(upper)) / 2.0
 }
 
-/// Narkowicz' fit of the ACES curve without its exposure of 0.6, as HDR-FLIP has it: (a x² + b x) / (c x² + d x + e).
+/// Narkowicz' fit of the ACES curve without its exposure of 0.6, as in HDR-FLIP: (a x² + b x) / (c x² + d x + e).
 const ACES: [f64; 5] = [0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14];
 
-/// What the curve takes to `shown`, the positive root of (a - c t) x² + (b - d t) x - e t.
+/// Inverse of the curve: the positive root of (a - c t) x² + (b - d t) x - e t, with t the shown value.
 fn light_for(shown: f64) -> f64 {
     let [a, b, c, d, e] = ACES;
     let half = (b - d * shown) / (a - c * shown) / 2.0;
     (half * half + e * shown / (a - c * shown)).sqrt() - half
 }
 
-/// Light that is not positive is black: the curve would bring what is far below zero back up.
+/// The curve for positive light. Other light is black: the curve would raise values far below zero again.
 fn tone_map(light: f64) -> f64 {
     let [a, b, c, d, e] = ACES;
     let x = light.max(0.0);
     x * (a * x + b) / (x * (c * x + d) + e)
 }
 
-/// HDR-FLIP, a pixel's largest FLIP over the exposures. The crate sees pictures of 8 bits, where the authors' program does not
-/// round: what stays within a step of them at every exposure is not seen, and means lie up to about 0.001 beside theirs.
+/// HDR-FLIP, a pixel's largest FLIP over the exposures. The crate works on 8-bit pictures, while the authors' program does not
+/// round: differences within an 8-bit step at every exposure are missed, and means differ from theirs by up to about 0.001.
 pub(super) fn hdr(test: &Image, reference: &Image, exposures: Exposures) -> Vec<f32> {
     let factors: Vec<f64> = exposures.factors().collect();
     maximum(test, reference, |factor, value| linear_to_srgb8(tone_map(f64::from(value) * factor)), &factors)
 }
 
-/// FLIP of two pictures that are shown as they are.
+/// FLIP of two pictures without exposure or tone mapping.
 pub(super) fn ldr(test: &Image, reference: &Image) -> Vec<f32> {
     maximum(test, reference, |_, value| linear_to_srgb8(value.into()), &[1.0])
 }
 
-/// A pixel's largest FLIP over what `shown` makes of the images for each of the factors.
+/// A pixel's largest FLIP over the factors; `shown` makes a byte of a factor and a value.
 fn maximum(test: &Image, reference: &Image, shown: impl Fn(f64, f32) -> u8 + Sync, factors: &[f64]) -> Vec<f32> {
     let [width, height] = test.size();
     let mut map = vec![0.0_f32; width * height];
@@ -99,7 +99,7 @@ fn maximum(test: &Image, reference: &Image, shown: impl Fn(f64, f32) -> u8 + Syn
             let show = |image: &Image| image.values()[rows.clone()].iter().map(|&value| shown(factor, value)).collect::<Vec<u8>>();
             let (test, reference) = (show(test), show(reference));
             if test == reference {
-                continue; // No difference, where FLIP would take its time to find none.
+                continue; // Equal bands have no difference, and skipping them saves FLIP's time.
             }
             let picture = |bytes: &[u8]| nv_flip::FlipImageRgb8::with_data(width as u32, (bottom - top) as u32, bytes);
             let found = nv_flip::flip(picture(&reference), picture(&test), nv_flip::DEFAULT_PIXELS_PER_DEGREE).to_vec();
@@ -124,7 +124,7 @@ mod tests {
         image(width, luminances.into_iter().flat_map(|value| [value; 3]).collect())
     }
 
-    /// Waves and steps, of a size that does not divide into bands.
+    /// Waves and steps; the height is no multiple of a band.
     fn waves(width: usize, height: usize, phase: f32) -> Image {
         let value = |i: usize| {
             let (x, y) = ((i / 3 % width) as f32, (i / 3 / width) as f32);
@@ -138,7 +138,7 @@ mod tests {
         for shown in [0.1, 0.5, 0.85] {
             assert!((tone_map(light_for(shown)) - shown).abs() < 1e-12);
         }
-        // Narkowicz' curve at an exposure of 0.6.
+        // Narkowicz' curve at its exposure of 0.6.
         let x: f64 = 0.6 * 1.7;
         assert!((tone_map(1.7) - (x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)).abs() < 1e-12);
         assert_eq!(tone_map(-100.0), 0.0);
@@ -151,7 +151,7 @@ mod tests {
             (&[1.0, 2.0, 16.0], 16.0, 2.0, 3),
             (&[1.0, 1.0, 3.0, 1000.0], 1000.0, 2.0, 9),
             (&[2.0, 2.0, 2.0], 2.0, 2.0, 2),
-            // The black part says nothing of what is seen.
+            // Black pixels are left out of the median.
             (&[0.0, 0.0, 0.0, 0.0, 1.0, 4.0, 64.0], 64.0, 4.0, 4),
             (&[1e-30, 1e-30, 1.0], 1.0, 0.5_f64.powi(24), 24),
             (&[1.0], 1.0, 1.0, 2),

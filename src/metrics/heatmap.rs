@@ -1,9 +1,9 @@
-//! Errors as colours.
+//! Heatmaps of errors.
 
 use rayon::prelude::*;
 
-/// Errors from 0 to 1 as sRGB bytes, three a pixel, through the magma map: black for none, by way of purple and orange to pale
-/// yellow for 1.
+/// Errors from 0 to 1 as sRGB bytes, three per pixel, by the magma map: black for 0, through purple and orange, to pale yellow
+/// for 1.
 pub fn heatmap(errors: &[f32]) -> Vec<u8> {
     let magma = nv_flip::magma_lut().to_vec();
     let colors: Vec<&[u8]> = magma.chunks_exact(3).collect();

@@ -1,22 +1,22 @@
-//! An image whose numbers can be compared.
+//! Images with finite numbers, ready to be compared.
 
 use crate::color::luminance;
 use crate::fail;
 use anyhow::Result;
 use rayon::prelude::*;
 
-/// What an image's numbers are, which decides what can be measured.
+/// Content of an image, on which the possible measures depend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Content {
     /// Linear colours without an upper bound, as in an EXR.
     Radiance,
-    /// Colours from 0 to 1, made linear: what a PNG shows.
+    /// Linear colours from 0 to 1, as in a PNG.
     Shown,
-    /// No colours: depths, normals, positions.
+    /// Data that are no colours: depths, normals, positions.
     Data,
 }
 
-/// Finite numbers, `channels` a pixel, row by row from the top.
+/// Finite numbers, `channels` per pixel, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
     width: usize,
@@ -26,10 +26,10 @@ pub struct Image {
 }
 
 impl Image {
-    /// An image out of `values`, a channel for each of the names; colours have three.
+    /// An image from `values`, with a channel for each name. Colours have three channels.
     ///
     /// # Errors
-    /// `BadInput` with the channel and the pixel where a number is not finite: no measure of it would mean anything.
+    /// `BadInput` with the channel and the pixel of a number that is not finite: every measure would be meaningless.
     pub fn new(width: usize, content: Content, channels: &[&str], values: Vec<f32>) -> Result<Self> {
         let row = width * channels.len();
         assert!(!values.is_empty() && values.len().is_multiple_of(row), "{} numbers are no rows of {width} pixels", values.len());
@@ -56,7 +56,7 @@ impl Image {
         self.content
     }
 
-    /// Numbers a pixel.
+    /// Numbers per pixel.
     pub fn channels(&self) -> usize {
         self.channels
     }
@@ -75,7 +75,7 @@ impl Image {
         self.values.par_chunks_exact(self.width * self.channels)
     }
 
-    /// What it holds, in words.
+    /// The content in words.
     pub fn describe(&self) -> String {
         match (self.content, self.channels) {
             (Content::Radiance, _) => "radiance".to_owned(),

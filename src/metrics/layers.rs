@@ -1,11 +1,11 @@
-//! Layers of images by their names, as commands and tables ask for them.
+//! Names of image layers, for commands and tables.
 
 use crate::config::nearest;
 use crate::fail;
 use anyhow::Result;
 use std::fmt;
 
-/// A layer of a test and the layer of its reference; each is the sum of the layers named.
+/// A layer of a test and one of its reference; each is a sum of named layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayerPair {
     pub test: Vec<String>,
@@ -13,15 +13,15 @@ pub struct LayerPair {
 }
 
 impl LayerPair {
-    /// The colours without a name, of both.
+    /// The colours without a name, for both.
     pub fn radiance() -> Self {
         Self { test: vec!["RGB".to_owned()], reference: vec!["RGB".to_owned()] }
     }
 
-    /// Reads `LAYER`, a sum `LAYER+LAYER`, or `TEST=REFERENCE` where the names differ.
+    /// Parses `LAYER`, a sum `LAYER+LAYER`, or `TEST=REFERENCE` for different names.
     ///
     /// # Errors
-    /// What was expected, for whoever knows where the text stands.
+    /// The expected form; the caller adds the place of the text.
     pub fn parse(text: &str) -> Result<Self, String> {
         let (test, reference) = text.split_once('=').unwrap_or((text, text));
         let [test, reference] = [test, reference].map(|sum| sum.split('+').map(|name| name.trim().to_owned()).collect::<Vec<_>>());
@@ -39,7 +39,7 @@ impl fmt::Display for LayerPair {
     }
 }
 
-/// A layer of a frame whose luminance flickers.
+/// A layer of a frame whose flicker is measured, by its luminance.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Intensity {
     /// The picture's radiance before exposure, W/(m^2 sr).
@@ -49,14 +49,14 @@ pub enum Intensity {
     Direct,
     /// Radiance of the indirect light.
     Indirect,
-    /// Indirect irradiance after filtering, W/m^2: free of the surfaces' textures.
+    /// Indirect irradiance after filtering, W/m^2, independent of surfaces' textures.
     Irradiance,
 }
 
 impl Intensity {
     const ALL: [Self; 4] = [Self::Radiance, Self::Direct, Self::Indirect, Self::Irradiance];
 
-    /// What the layer is called in an EXR.
+    /// Name of the layer in an EXR.
     pub fn name(self) -> &'static str {
         match self {
             Self::Radiance => "RGB",
@@ -66,10 +66,10 @@ impl Intensity {
         }
     }
 
-    /// The layer of a name.
+    /// The layer with this name.
     ///
     /// # Errors
-    /// `BadInput` with the names that there are.
+    /// `BadInput` with the known names.
     pub fn parse(name: &str) -> Result<Self> {
         let names = Self::ALL.map(Self::name);
         Self::ALL.into_iter().find(|layer| layer.name() == name).ok_or_else(|| {

@@ -1,7 +1,7 @@
-//! How far a picture is from its reference: figures, and a map of where.
+//! Errors of a picture against its reference: figures and a map.
 //!
-//! Plain numbers in, plain numbers out. Sums are of 64 bits and in a fixed order: the same images give the same figures to the
-//! last bit, on however many cores.
+//! Numbers in, numbers out. Sums have 64 bits and a fixed order: the same images give the same figures to the last bit, on any
+//! number of cores.
 
 mod file;
 pub mod flicker;
@@ -22,32 +22,32 @@ use anyhow::Result;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// What [`Measures::relmse`] adds to the reference's square, so that black pixels do not divide by zero: the constant of
-/// Rousselle et al. 2011 and of most papers on rendering since. It is of the image's unit squared, a tenth of a radiance of 1:
-/// errors in what is much darker than that count as absolute ones.
+/// Constant added to the reference's square in [`Measures::relmse`], so that black pixels do not divide by zero: that of
+/// Rousselle et al. 2011 and of most later papers on rendering. Its unit is the image's squared, and it is the square of a
+/// radiance of 0.1: errors in much darker pixels count as absolute ones.
 pub const RELMSE_EPSILON: f64 = 0.01;
 
-/// The figures of a comparison, t being the test's numbers and r the reference's.
+/// The figures of a comparison of the test's numbers t and the reference's r.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measures {
     /// Square root of the mean of (t - r)² over pixels and channels.
     pub rmse: f64,
     /// Mean of (t - r)² / (r² + [`RELMSE_EPSILON`]) over pixels and channels.
     pub relmse: f64,
-    /// The test's mean over the reference's. 1 where both are 0; infinite where only the reference's is, which is `null` in JSON.
+    /// The test's mean over the reference's: 1 if both are 0; infinite, and `null` in JSON, if only the reference's is 0.
     pub energy: Option<f64>,
-    /// 99th percentile of the pixels' errors, a pixel's being the largest |t - r| of its channels: 99 % of the pixels, rounded up
-    /// to a whole one, are no farther off.
+    /// 99th percentile of the pixels' errors, a pixel's error being the largest |t - r| of its channels: 99 % of the pixels,
+    /// rounded up to a whole one, have at most this error.
     pub worst: f64,
-    /// Mean of FLIP over the pixels, from 0 to 1; only colours have it.
+    /// Mean of FLIP over the pixels, from 0 to 1; only for colours.
     pub flip: Option<f64>,
-    /// What `energy` is of.
+    /// The means whose ratio is `energy`.
     pub mean: Option<Means>,
-    /// At which exposures FLIP looked; only colours without an upper bound have them.
+    /// The exposures of HDR-FLIP; only for colours without an upper bound.
     pub exposures: Option<Exposures>,
 }
 
-/// Mean luminance of colours, mean of single numbers; vectors have none.
+/// Mean luminance of colours, or mean of single numbers. Vectors have no mean.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Means {
     pub test: f64,
@@ -60,18 +60,18 @@ impl Means {
     }
 }
 
-/// The figures of a comparison and where they come from.
+/// The figures of a comparison, and the map of errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     pub measures: Measures,
-    /// A number from 0 to 1 a pixel, row by row from the top: FLIP for colours, else the pixel's error over the largest one.
+    /// Errors from 0 to 1, one per pixel, row by row from the top: FLIP for colours, otherwise the error over the largest one.
     pub map: Vec<f32>,
 }
 
-/// Measures how far `test` is from `reference`.
+/// Compares `test` with `reference`.
 ///
 /// # Errors
-/// `BadInput` where the images' sizes or kinds differ.
+/// `BadInput` if the images' sizes or kinds differ.
 pub fn compare(test: &Image, reference: &Image) -> Result<Comparison> {
     check_alike(test, reference)?;
     let sums = sums(test, reference);
@@ -104,7 +104,7 @@ pub fn compare(test: &Image, reference: &Image) -> Result<Comparison> {
 /// [`Measures::rmse`] alone.
 ///
 /// # Errors
-/// As [`compare`].
+/// See [`compare`].
 pub fn rmse(test: &Image, reference: &Image) -> Result<f64> {
     check_alike(test, reference)?;
     Ok((sums(test, reference).squares / test.values().len() as f64).sqrt())
@@ -125,8 +125,8 @@ fn check_alike(test: &Image, reference: &Image) -> Result<()> {
 }
 
 impl Measures {
-    /// What stands for several frames: `rmse` is the root of the mean of its squares, `relmse`, `flip` and the means are
-    /// averaged, `energy` is the ratio of those, and `worst` is that of the worst frame. `None` without frames.
+    /// Figures of several frames together: `rmse` is the root of the mean square; `relmse`, `flip` and the means are averaged;
+    /// `energy` is the ratio of the averaged means; `worst` is the largest. `None` without frames.
     pub fn over_frames(frames: &[Self]) -> Option<Self> {
         let count = frames.len() as f64;
         let average = |figure: &dyn Fn(&Self) -> Option<f64>| frames.iter().map(figure).sum::<Option<f64>>().map(|sum| sum / count);
@@ -144,16 +144,16 @@ impl Measures {
     }
 }
 
-/// Sums over an image or a row of it.
+/// Sums over an image or one of its rows.
 #[derive(Default)]
 struct Sums {
     squares: f64,
     relative_squares: f64,
-    /// Of the test and of the reference; only where a mean says something.
+    /// Sums of the test and of the reference; `None` for vectors.
     means: Option<[f64; 2]>,
 }
 
-/// Row by row on all cores, then the rows in their order.
+/// Sums rows on all cores, then adds them in order.
 fn sums(test: &Image, reference: &Image) -> Sums {
     let rows: Vec<Sums> = test.rows().zip(reference.rows()).map(|(t, r)| row_sums(t, r, test)).collect();
     rows.into_iter().reduce(add).unwrap_or_default()
@@ -196,9 +196,9 @@ fn errors(test: &Image, reference: &Image) -> Vec<f32> {
     pixels.map(|(t, r)| t.iter().zip(r).map(|(t, r)| (t - r).abs()).fold(0.0, f32::max)).collect()
 }
 
-/// Puts the errors out of order.
+/// Nearest-rank percentile; reorders the errors.
 fn percentile_99(errors: &mut [f32]) -> f64 {
-    // The nearest rank: of 100 errors the 99th.
+    // The nearest rank: the 99th of 100 errors.
     let rank = (errors.len() * 99).div_ceil(100);
     let (_, &mut error, _) = errors.select_nth_unstable_by(rank.saturating_sub(1), f32::total_cmp);
     f64::from(error)

@@ -14,7 +14,7 @@ fn picture() -> Vec<f32> {
     (0..WIDTH * HEIGHT * 3).map(value).collect()
 }
 
-/// Numbers from -1 to 1, the same each time.
+/// Numbers from -1 to 1, a function of the seed.
 fn noise(seed: u32) -> impl Iterator<Item = f32> {
     std::iter::successors(Some(seed), |state| Some(state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453)))
         .skip(1)
@@ -56,7 +56,7 @@ fn what_is_brighter_by_a_tenth_has_that_energy() {
     let bright = |image: &mut Vec<f32>| image.iter_mut().for_each(|value| *value *= 1.1);
     let Comparison { measures, .. } = against_the_picture(bright);
     assert_near(measures.energy.unwrap(), 1.1);
-    // 0.01 r² / (r² + 0.01), by hand in another order than the program's.
+    // 0.01 r² / (r² + 0.01), summed by hand in another order than the program's.
     let by_hand: f64 = picture().iter().rev().map(|&r| f64::from(r).powi(2)).map(|square| 0.01 * square / (square + 0.01)).sum();
     assert_near(measures.relmse, by_hand / (WIDTH * HEIGHT * 3) as f64);
     assert!((0.009..0.01).contains(&measures.relmse), "{}", measures.relmse);
@@ -83,7 +83,7 @@ fn what_moved_by_a_pixel_has_its_energy_and_its_errors_at_the_edges() {
         image[3..].copy_from_slice(&moved[..moved.len() - 3]);
     });
     assert!((measures.energy.unwrap() - 1.0).abs() < 0.01, "{:?}", measures.energy);
-    // The edges are a step of 1, more than a hundredth of the pixels is at one.
+    // The edges are steps of 1, and more than a hundredth of the pixels is at an edge.
     assert!((0.9..1.1).contains(&measures.worst), "{}", measures.worst);
     assert!((0.01..0.5).contains(&measures.flip.unwrap()), "{:?}", measures.flip);
     let row = &map[40 * WIDTH..41 * WIDTH];
@@ -141,7 +141,7 @@ fn numbers_that_are_no_colours_have_no_flip_and_vectors_no_mean() {
     let depth = compare(&data(&["Z"], 1.5), &data(&["Z"], 1.0)).unwrap();
     assert_eq!((depth.measures.flip, depth.measures.exposures), (None, None));
     assert_near(depth.measures.energy.unwrap(), 1.5);
-    // The map is of the errors over the largest, that of the last pixel.
+    // The map is the error over the largest error, which the last pixel has.
     assert_eq!((depth.map[0], depth.map[WIDTH * 3 - 1]), (0.0, 1.0));
     let normals = compare(&data(&["X", "Y", "Z"], 1.5), &data(&["X", "Y", "Z"], 1.0)).unwrap();
     assert_eq!((normals.measures.flip, normals.measures.energy, normals.measures.mean), (None, None, None));

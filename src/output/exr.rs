@@ -1,4 +1,4 @@
-//! OpenEXR images: one part, layers told apart by the channels' names.
+//! OpenEXR images: one part, layers distinguished by the channels' names.
 
 use crate::fail;
 use crate::files::write_file;
@@ -10,17 +10,17 @@ use std::path::Path;
 
 pub use ::exr::prelude::f16;
 
-/// Samples of a channel, row by row from the top, as they are stored.
+/// Samples of a channel in their stored precision, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Samples {
-    /// 16 bits: colours.
+    /// 16 bits, for colours.
     Half(Vec<f16>),
-    /// 32 bits: depth and positions.
+    /// 32 bits, for depth and positions.
     Float(Vec<f32>),
 }
 
 impl Samples {
-    /// Rounds to half. A finite number beyond half's range becomes its largest: a bright highlight must not turn into infinity.
+    /// Rounds to half. A finite number beyond half's range is clamped: a bright highlight must not become infinite.
     pub fn half(values: impl IntoIterator<Item = f32>) -> Self {
         let round = |v: f32| f16::from_f32(if v.is_finite() { v.clamp(f16::MIN.to_f32(), f16::MAX.to_f32()) } else { v });
         Self::Half(values.into_iter().map(round).collect())
@@ -38,7 +38,7 @@ impl Samples {
     }
 }
 
-/// How a layer's samples are stored.
+/// Precision of a layer's stored samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
     Half,
@@ -55,8 +55,8 @@ pub struct ExrLayer {
 }
 
 impl ExrLayer {
-    /// A layer out of interleaved pixels as they are read back: `stride` numbers a pixel, of which the first become the
-    /// channels that `names` spells, one letter each (`"RGB"`, `"XYZ"`, `"Z"`).
+    /// A layer from interleaved pixels: `stride` numbers per pixel, the first of which become the channels in `names`, one
+    /// letter each (`"RGB"`, `"XYZ"`, `"Z"`).
     pub fn interleaved(name: &str, names: &str, stride: usize, values: &[f32], precision: Precision) -> Self {
         assert!(names.len() <= stride && values.len().is_multiple_of(stride), "layer {name:?}: {stride} numbers a pixel do not fit");
         let channels = names.chars().enumerate().map(|(i, channel)| {
@@ -73,8 +73,8 @@ impl ExrLayer {
 
 /// Writes an image, losslessly compressed (ZIP). The same arguments give the same bytes.
 ///
-/// `metadata` becomes the standard `comments` attribute, a line `key: value` each: the crate keeps attributes of one's own
-/// in random order, which would make every file a different one.
+/// `metadata` becomes the standard `comments` attribute, a line `key: value` each: the `exr` crate writes custom attributes in
+/// random order, and no two files would be the same.
 ///
 /// # Errors
 /// `OutputNotWritten` with the path and the reason; no file is left then.
@@ -106,36 +106,36 @@ fn encode(width: u32, height: u32, layers: Vec<ExrLayer>, metadata: &[(&str, Str
     let size = (width as usize, height as usize);
     let image = e::Image::from_layer(e::Layer::new(size, attributes, encoding, e::AnyChannels::sort(list)));
     let mut bytes = Cursor::new(Vec::new());
-    // The bytes go to memory: what fails here is the image, not the disk.
+    // The bytes go to memory, so a failure here is the image's and not the disk's.
     image.write().to_buffered(&mut bytes).map_err(|error| anyhow!("an image cannot be encoded: {error}"))?;
     Ok(bytes.into_inner())
 }
 
-/// Images that would take more than this are not read: 16,384 x 16,384 pixels of four channels fit.
+/// Limit of decoded bytes of an image to read: 16,384 x 16,384 pixels of four channels fit.
 pub const MAX_DECODED_BYTES: u128 = 4 << 30;
 
-/// An image as it was read: all channels of its first part as 32-bit numbers.
+/// A decoded image: all channels of its first part as 32-bit numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Exr {
     pub width: u32,
     pub height: u32,
-    /// By full name (`R`, `direct.R`); `width * height` samples each, row by row from the top.
+    /// Channels by full name (`R`, `direct.R`); `width * height` samples each, row by row from the top.
     pub channels: BTreeMap<String, Vec<f32>>,
-    /// The `comments` attribute; empty where there is none.
+    /// The `comments` attribute; empty if the file has none.
     pub comments: String,
 }
 
 /// Reads an OpenEXR image.
 ///
 /// # Errors
-/// `BadInput` with the path and what is wrong with the file.
+/// `BadInput` with the path and the fault of the file.
 pub fn read_exr(path: &Path) -> Result<Exr> {
     let name = path.display();
     let bytes = std::fs::read(path).map_err(|error| fail!(BadInput, "{name}: cannot be read ({error})"))?;
     let refuse = |error: ::exr::error::Error| fail!(BadInput, "{name}: is not an OpenEXR image that can be read ({error})");
     let meta = e::MetaData::read_from_buffered(Cursor::new(&bytes), false).map_err(refuse)?;
     for header in &meta.headers {
-        // No compression of even a black image shrinks as much: such a header lies, and believing it takes all memory.
+        // Not even a black image compresses this well: such a header is damaged, and allocating by it could take all memory.
         let limit = (bytes.len() as u128 * 16_384).min(MAX_DECODED_BYTES);
         let pixels = header.layer_size.width() as u128 * header.layer_size.height() as u128;
         if pixels * header.channels.list.len() as u128 * 4 > limit {

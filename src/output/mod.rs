@@ -1,6 +1,6 @@
 //! Images: a frame's picture, OpenEXR and PNG files.
 //!
-//! Every file appears whole or not at all ([`crate::files`]), and the same content is always the same bytes.
+//! Every file appears whole or not at all ([`crate::files`]). The same content gives the same bytes.
 
 pub mod exr;
 pub mod picture;
@@ -12,10 +12,10 @@ pub use self::png::{Png, png_bytes, read_png, write_png};
 
 use std::path::{Path, PathBuf};
 
-/// The folder of a sequence's frames in that of a run.
+/// Folder of a sequence's frames, in the run's folder.
 pub const FRAMES: &str = "frames";
 
-/// What a frame's file is called in the folder of its sequence: `0007.exr`.
+/// File of a frame in the folder of its sequence: `0007.exr`.
 pub fn frame_file(folder: &Path, frame: u32, ending: &str) -> PathBuf {
     folder.join(format!("{frame:04}.{ending}"))
 }

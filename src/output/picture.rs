@@ -1,4 +1,4 @@
-//! A frame's images on the host, as numbers.
+//! A frame's images on the host, decoded to numbers.
 
 use super::exr::{ExrLayer, Precision};
 use crate::config::Layer;
@@ -22,21 +22,21 @@ pub struct Picture {
     pub depth: Plane,
 }
 
-/// One image's texels, as numbers of the format's channels.
+/// Texels of one image, decoded to the format's channels.
 pub struct Plane {
     pub channels: usize,
     pub values: Vec<f32>,
 }
 
 impl Plane {
-    /// Reads texels of a format.
+    /// Decodes texels of a format.
     pub fn decode(format: Format, bytes: &[u8]) -> Self {
         let channels = format.channels();
         let values = bytes.chunks_exact(format.texel_bytes()).flat_map(|texel| format.decode(texel).into_iter().take(channels)).collect();
         Self { channels, values }
     }
 
-    /// The channels of a pixel by its number; those that the plane lacks are 0.
+    /// The channels of a pixel by its index; missing channels are 0.
     pub fn at(&self, pixel: usize) -> [f32; 4] {
         let mut texel = [0.0; 4];
         texel[..self.channels].copy_from_slice(&self.values[pixel * self.channels..][..self.channels]);
@@ -53,7 +53,7 @@ impl Plane {
 }
 
 impl Picture {
-    /// World position of each pixel's surface; the origin where there is none.
+    /// World position of each pixel's surface; the origin for pixels without surface.
     pub fn positions(&self) -> Vec<Vec3> {
         let width = self.size[0];
         let position = |(i, depth): (usize, &f32)| {
@@ -62,12 +62,12 @@ impl Picture {
         self.depth.values.iter().enumerate().map(position).collect()
     }
 
-    /// Distance of each pixel's surface along the view's axis, metres; 0 where there is none.
+    /// Distance of each pixel's surface along the view's axis, m; 0 for pixels without surface.
     pub fn distances(&self) -> Vec<f32> {
         self.depth.values.iter().map(|depth| if *depth > 0.0 { self.view.near / depth } else { 0.0 }).collect()
     }
 
-    /// World normal of each pixel's surface; zero where there is none.
+    /// World normal of each pixel's surface; zero for pixels without surface.
     pub fn normals(&self) -> Vec<Vec3> {
         let normal = |(i, depth): (usize, &f32)| {
             let [x, y, ..] = self.normal.at(i);
@@ -76,7 +76,7 @@ impl Picture {
         self.depth.values.iter().enumerate().map(normal).collect()
     }
 
-    /// The layers of its EXR: its radiance without a name, and those that are asked for.
+    /// The layers of the frame's EXR: radiance without a name, then those in `wanted`.
     pub fn layers(&self, wanted: &[Layer]) -> Vec<ExrLayer> {
         let color = |name: &str, plane: &Plane| ExrLayer::interleaved(name, "RGB", plane.channels, &plane.values, Precision::Half);
         let radiance = &self.radiance;

@@ -1,4 +1,4 @@
-//! PNG images: what is shown, after tone mapping, as sRGB bytes.
+//! PNG images: tone-mapped pictures as sRGB bytes.
 
 use crate::fail;
 use crate::files::write_file;
@@ -6,9 +6,8 @@ use anyhow::{Context, Result};
 use std::io::Cursor;
 use std::path::Path;
 
-/// Writes an sRGB image of 8 bits a channel, first row on top: `width * height` pixels of one (grey), three (RGB) or four (RGBA)
-/// bytes.
-/// The same arguments give the same bytes.
+/// Writes an sRGB image of 8 bits a channel, first row on top: `width * height` pixels of one (grey), three (RGB) or four
+/// (RGBA) bytes. The same arguments give the same bytes.
 ///
 /// # Errors
 /// `OutputNotWritten` with the path and the reason; no file is left then.
@@ -16,7 +15,7 @@ pub fn write_png(path: &Path, width: u32, height: u32, pixels: &[u8]) -> Result<
     write_file(path, &png_bytes(width, height, pixels)?)
 }
 
-/// As [`write_png`], but the file's bytes.
+/// The bytes of the file that [`write_png`] writes.
 pub fn png_bytes(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>> {
     encode(width, height, pixels).context("an image cannot be encoded")
 }
@@ -40,22 +39,22 @@ fn encode(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>, png::Encodi
     Ok(bytes)
 }
 
-/// Images of more pixels are not read.
+/// Limit of pixels of an image to read.
 const MAX_PIXELS: u64 = 16_384 * 16_384;
 
-/// An image as it was read.
+/// A decoded image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Png {
     pub width: u32,
     pub height: u32,
-    /// Red, green and blue of every pixel, row by row from the top, as the file encodes them: from 0 to 1.
+    /// Red, green and blue of every pixel, row by row from the top, as encoded in the file: from 0 to 1.
     pub values: Vec<f32>,
 }
 
-/// Reads an opaque image of any depth; grey becomes a colour. What a file says of its own colour space is not applied.
+/// Reads an opaque image of any depth; grey becomes RGB. The file's own colour space is ignored.
 ///
 /// # Errors
-/// `BadInput` with the path and what is wrong with the file, which may be a pixel that is not opaque: it has no one colour.
+/// `BadInput` with the path and the fault of the file. A pixel that is not opaque is one: it has no definite colour.
 pub fn read_png(path: &Path) -> Result<Png> {
     let name = path.display();
     let bytes = std::fs::read(path).map_err(|error| fail!(BadInput, "{name}: cannot be read ({error})"))?;
@@ -114,7 +113,7 @@ mod tests {
         }
     }
 
-    /// A row of two pixels; a palette is grey.
+    /// Writes a row of two pixels; the palette is grey.
     fn write_as(path: &Path, color: png::ColorType, depth: png::BitDepth, data: &[u8]) {
         let mut encoder = png::Encoder::new(std::fs::File::create(path).unwrap(), 2, 1);
         encoder.set_color(color);

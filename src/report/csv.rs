@@ -1,9 +1,9 @@
-//! Every raw time, one a line.
+//! `timings.csv`: every raw time, one per line.
 
 use super::{PassTime, Provenance};
 use anyhow::{Context, Result};
 
-/// The content of `timings.csv`: `frame,pass,stage,ms` and, in every line, where the figure comes from.
+/// Content of `timings.csv`: `frame,pass,stage,ms` and, in every line, the provenance.
 pub fn timings_csv(times: &[PassTime], from: &Provenance) -> Result<Vec<u8>> {
     table(times, from).context("timings.csv cannot be put together")
 }
@@ -13,7 +13,7 @@ fn table(times: &[PassTime], from: &Provenance) -> Result<Vec<u8>> {
     csv.write_record(["frame", "pass", "stage", "ms", "mode", "device", "driver", "width", "height", "preset", "version"])?;
     let known = from.known();
     for time in times {
-        // A timestamp counts nanoseconds at best.
+        // Six decimals: timestamps count nanoseconds at best.
         let (frame, ms) = (time.frame.to_string(), format!("{:.6}", time.ms));
         let figure = [frame.as_str(), &time.pass, time.stage(), &ms];
         csv.write_record(figure.into_iter().chain(known.iter().map(|(_, what)| what.as_str())))?;

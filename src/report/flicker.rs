@@ -1,24 +1,24 @@
-//! The flicker of a walk, a frame a line.
+//! `flicker.csv`: the flicker of a camera path, one frame per line.
 
 use super::Provenance;
 use crate::metrics::flicker::Pair;
 use anyhow::{Context, Result};
 
-/// What is known of a frame of a walk.
+/// Figures of one frame of the path.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FlickerLine {
     pub frame: u32,
-    /// From the frame before to this one.
+    /// Pair of the frame before and this one.
     pub pair: Option<Pair>,
     /// The reference's own flicker over the same matches.
     pub reference: Option<f64>,
-    /// `pair`'s flicker less `reference`.
+    /// `pair`'s flicker beyond `reference`.
     pub excess: Option<f64>,
-    /// The frame against its reference.
+    /// Error of the frame against its reference.
     pub rmse: Option<f64>,
 }
 
-/// The content of `flicker.csv`: figures that there are not are empty, and in every line stands where the figures come from.
+/// Content of `flicker.csv`. Missing figures are empty, and every line has the provenance.
 pub fn flicker_csv(lines: &[FlickerLine], layer: &str, from: &Provenance) -> Result<Vec<u8>> {
     table(lines, layer, from).context("flicker.csv cannot be put together")
 }
@@ -47,9 +47,9 @@ const HEADER: [&str; 18] = [
 fn table(lines: &[FlickerLine], layer: &str, from: &Provenance) -> Result<Vec<u8>> {
     let mut csv = ::csv::Writer::from_writer(Vec::new());
     csv.write_record(HEADER)?;
-    // Flicker does not depend on how passes were timed.
+    // The timing mode is left out, since flicker does not depend on it.
     let [_, known @ ..] = from.known();
-    // The shortest text that is read back as the same number.
+    // The shortest text that parses to the same number.
     let figure = |figure: Option<f64>| figure.map(|figure| figure.to_string()).unwrap_or_default();
     for line in lines {
         let pair = line.pair;

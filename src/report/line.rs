@@ -1,9 +1,9 @@
-//! A measurement in one line, for bug reports.
+//! One-line measurements for bug reports.
 
 use super::{Provenance, Timings};
 
-/// Where the figures come from, how many frames they are of, and the medians of the whole and of each stage, milliseconds.
-/// `changes` are keys of the config that were set on the command line.
+/// The provenance, the number of frames, and the medians of the whole and of each stage, ms. `changes` are config keys set on
+/// the command line.
 pub fn paste_line(timings: &Timings, from: &Provenance, changes: &[String]) -> String {
     let preset = std::iter::once(from.preset.as_str()).chain(changes.iter().map(String::as_str)).collect::<Vec<_>>().join(" ");
     let mut parts = vec![
@@ -20,7 +20,7 @@ pub fn paste_line(timings: &Timings, from: &Provenance, changes: &[String]) -> S
     parts.join(" · ")
 }
 
-/// To three digits or so: a fast device's stages take hundredths.
+/// About three digits: a fast device's stages take hundredths of a millisecond.
 fn milliseconds(ms: f64) -> String {
     match ms {
         ms if ms >= 10.0 => format!("{ms:.1}"),

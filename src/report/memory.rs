@@ -1,11 +1,11 @@
-//! What a frame's resources take, each and by stage.
+//! Memory of a frame's resources, each and by stage.
 
 use super::stage;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Bytes by name, of each resource and of the stages that they belong to.
+/// Bytes by name, of each resource and of each stage.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Memory {
     pub resources: BTreeMap<String, u64>,
@@ -13,7 +13,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Sums resources, `stage/resource` and bytes, by name and by stage.
+    /// Sums resources (`stage/resource` and bytes) by name and by stage.
     pub fn of(resources: &[(String, u64)]) -> Self {
         let mut memory = Self::default();
         for (name, bytes) in resources {
@@ -24,7 +24,7 @@ impl Memory {
     }
 }
 
-/// The resources as a table, under the sum of their stage, in the order in which stages come first; the total.
+/// The resources as a text table, grouped under their stages' sums in the order of first appearance, with a total.
 pub fn memory_table(resources: &[(String, u64)]) -> String {
     let mut stages: Vec<&str> = Vec::new();
     for (name, _) in resources {
@@ -42,12 +42,12 @@ pub fn memory_table(resources: &[(String, u64)]) -> String {
     numbers("memory of a frame", "bytes", &rows)
 }
 
-/// What passes counted, as a table.
+/// Counts of passes as a text table.
 pub fn counts_table(counts: &[(String, u64)]) -> String {
     numbers("counts", "last frame", counts)
 }
 
-/// Names to the left, whole numbers to the right.
+/// A text table of names on the left and whole numbers on the right.
 fn numbers(name: &str, unit: &str, rows: &[(String, u64)]) -> String {
     let mut cells = vec![(name.to_owned(), unit.to_owned())];
     cells.extend(rows.iter().map(|(name, number)| (name.clone(), number.to_string())));

@@ -1,6 +1,6 @@
-//! Figures: the times of passes, their statistics, what frames take, and the tables, the line, the CSV and the page that show them.
+//! Figures: times of passes, their statistics, memory of frames, and their output as tables, line, CSV and page.
 //!
-//! A figure never travels without its [`Provenance`].
+//! Every figure is written with its [`Provenance`].
 
 mod csv;
 mod flicker;
@@ -21,19 +21,19 @@ pub use self::table::timing_table;
 
 use serde::{Deserialize, Serialize};
 
-/// How long a pass took in a frame. A pass that runs several times in a frame has several of these.
+/// Time of a pass in a frame. A pass that runs several times in a frame has several entries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PassTime {
-    /// Counted from 0, warm-up left out.
+    /// Frame, counted from 0 without warm-up.
     pub frame: u32,
-    /// The pass's name, `stage/pass`: `visibility/ism-splat`.
+    /// Name of the pass, `stage/pass`: `visibility/ism-splat`.
     pub pass: String,
-    /// Milliseconds.
+    /// Time, ms.
     pub ms: f64,
 }
 
 impl PassTime {
-    /// The stage that the pass belongs to.
+    /// Stage of the pass.
     pub fn stage(&self) -> &str {
         stage(&self.pass)
     }
@@ -44,7 +44,7 @@ pub fn stage(pass: &str) -> &str {
     pass.split_once('/').map_or(pass, |(stage, _)| stage)
 }
 
-/// Where figures come from: what must stand beside each of them.
+/// Origin of figures, to be written beside each.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Version of this program.
@@ -52,16 +52,16 @@ pub struct Provenance {
     /// Name of the config that was rendered.
     pub preset: String,
     pub device: Device,
-    /// How passes were timed: `isolated`, `overlapped` or `serial`.
+    /// Timing mode: `isolated`, `overlapped` or `serial`.
     pub timing_mode: String,
-    /// Pixels.
+    /// Width, pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height, pixels.
     pub height: u32,
 }
 
 impl Provenance {
-    /// What stands beside every figure in a file, by name.
+    /// Values written beside every figure in a file, by name.
     pub fn known(&self) -> [(&'static str, String); 7] {
         [
             ("timing_mode", self.timing_mode.clone()),
@@ -74,13 +74,13 @@ impl Provenance {
         ]
     }
 
-    /// What an image says of where it comes from.
+    /// Values written into an image's metadata, by name.
     pub fn of_image(&self) -> [(&'static str, String); 3] {
         [("version", self.version.clone()), ("preset", self.preset.clone()), ("device", self.device.name.clone())]
     }
 }
 
-/// A device and its driver, as they name themselves.
+/// A device and its driver, by their own names.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Device {
     pub name: String,
@@ -91,12 +91,12 @@ pub struct Device {
 }
 
 impl Device {
-    /// The name with its kind: `llvmpipe (LLVM 15.0.6, 256 bits) [cpu]`.
+    /// Name and kind: `llvmpipe (LLVM 15.0.6, 256 bits) [cpu]`.
     pub fn label(&self) -> String {
         format!("{} [{}]", self.name, self.kind)
     }
 
-    /// The driver with its version, which some drivers' version text repeats.
+    /// Driver and version, without the driver's name twice if the version repeats it.
     pub fn driver_label(&self) -> String {
         match self.driver_version.as_str() {
             "" => self.driver.clone(),
@@ -106,7 +106,7 @@ impl Device {
     }
 }
 
-/// The most memory that this process has held so far, bytes, where the system tells.
+/// Peak memory of this process so far, bytes; `None` if the system does not tell.
 pub fn peak_memory_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let kibibytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().strip_suffix("kB")?;

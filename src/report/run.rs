@@ -1,4 +1,4 @@
-//! `run.json`: what was rendered, on what, and what came of it.
+//! `run.json`: the record of a run with its config, device, times and checks.
 
 use super::{Memory, PassTime, Provenance, Timings, peak_memory_bytes};
 use crate::config::Config;
@@ -9,43 +9,44 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Everything that `run.json` says.
+/// Content of `run.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunReport {
     /// Version, preset, device, timing mode and resolution.
     #[serde(flatten)]
     pub from: Provenance,
-    /// A hash of all shaders' sources ([`crate::graph::Library::key_of_all`]): figures of two of these do not go together.
+    /// Hash of all shaders' sources ([`crate::graph::Library::key_of_all`]). Figures with different hashes must not be
+    /// combined.
     pub shaders: String,
     pub seed: u64,
-    /// Frames that were timed.
+    /// Number of timed frames.
     pub frames: u32,
-    /// Frames that ran before them, untimed.
+    /// Number of untimed frames before them.
     pub warmup: u32,
-    /// What the config left to the program, by key, and what that chose on this device: `gather.rasterization`.
+    /// Choices that the config left to the program, by key, as made on this device: `gather.rasterization`.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub choices: BTreeMap<&'static str, Value>,
     pub timings: Timings,
-    /// What passes counted in the last frame: triangles drawn, VPLs, look-ups.
+    /// Counts of passes in the last frame: triangles drawn, VPLs, look-ups.
     pub counts: BTreeMap<String, u64>,
-    /// What follows from the counts: means a pixel, and shares.
+    /// Figures derived from the counts: means per pixel, and shares.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub means: BTreeMap<String, f64>,
-    /// Bytes of the resources of the last frame's own, each and by stage.
+    /// Bytes of the last frame's own resources, each and by stage.
     pub memory: Memory,
-    /// What was checked, by name, and what came of it (`{"check-nan": {"gather/per-pixel": 0}}`).
+    /// Checks and their results by name (`{"check-nan": {"gather/per-pixel": 0}}`).
     pub checks: BTreeMap<String, Value>,
-    /// Every warning that was printed.
+    /// All printed warnings.
     pub warnings: Vec<String>,
-    /// The most memory that the process held, where the system tells.
+    /// Peak memory of the process, bytes; `None` if the system does not tell.
     pub peak_memory_bytes: Option<u64>,
-    /// The resolved config: it renders the same again.
+    /// The resolved config, which renders the same again.
     pub config: Value,
 }
 
 impl RunReport {
-    /// What every run's record says of its config, the times of its passes and the memory of its last frame. The rest is empty, for
-    /// whoever knows more.
+    /// The record's fields that follow from the config, the times of passes and the memory of the last frame. The others are
+    /// empty, for the caller to fill.
     pub fn of(from: &Provenance, shaders: String, config: &Config, times: &[PassTime], memory: &[(String, u64)]) -> Result<Self> {
         Ok(Self {
             from: from.clone(),
@@ -73,14 +74,14 @@ impl RunReport {
         write_file(path, self.json()?.as_bytes())
     }
 
-    /// The report as JSON, indented, keys in a fixed order.
+    /// The report as indented JSON, keys in a fixed order.
     pub fn json(&self) -> Result<String> {
         let json = serde_json::to_string_pretty(self).context("run.json cannot be put together")?;
         Ok(json + "\n")
     }
 }
 
-/// A config as a record says it: all keys, so that it renders the same again.
+/// A config with all keys, which renders the same again.
 pub fn resolved(config: &Config) -> Result<Value> {
     serde_json::to_value(config).context("the config cannot be written as JSON")
 }

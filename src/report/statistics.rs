@@ -1,4 +1,4 @@
-//! Order statistics of frames, by pass and by stage.
+//! Order statistics over frames, by pass and by stage.
 
 use super::{PassTime, stage};
 use serde::{Deserialize, Serialize};
@@ -8,16 +8,16 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
     pub median: f64,
-    /// 5th percentile.
+    /// The 5th percentile.
     pub p5: f64,
-    /// 95th percentile.
+    /// The 95th percentile.
     pub p95: f64,
     /// Size of the sample.
     pub n: usize,
 }
 
 impl Statistics {
-    /// Statistics of a sample; `None` where it is empty.
+    /// Statistics of a sample; `None` if it is empty.
     pub fn of(sample: &[f64]) -> Option<Self> {
         let mut sorted = sample.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -26,8 +26,8 @@ impl Statistics {
     }
 }
 
-/// The quantile `q` in [0, 1] of an ascending sample, by linear interpolation between the two order statistics about
-/// `q * (n - 1)` (type 7 of Hyndman and Fan 1996: what NumPy and R do unasked).
+/// The quantile `q` in [0, 1] of an ascending sample, by linear interpolation between the two order statistics around `q * (n -
+/// 1)` (type 7 of Hyndman and Fan 1996, the default of NumPy and R).
 fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     let place = q * last as f64;
@@ -36,29 +36,29 @@ fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
     Some(a + (b - a) * (place - below as f64))
 }
 
-/// The statistics of a stage or a pass.
+/// Statistics of a stage or a pass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// The stage's or the pass's name.
+    /// Name of the stage or the pass.
     pub name: String,
-    /// Milliseconds a frame, over the frames in which it ran; `n` says how many these were.
+    /// Time per frame, ms, over the `n` frames in which it ran.
     #[serde(flatten)]
     pub ms: Statistics,
-    /// Its part of the time of all frames, in [0, 1]; the shares of all stages sum to 1, as do those of all passes.
+    /// Share of all frames' time, in [0, 1]. The shares of all stages sum to 1, and so do those of all passes.
     pub share: f64,
 }
 
-/// What a run's passes took, in the order in which they first ran.
+/// Times of a run's passes, in the order in which they first ran.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Timings {
     pub stages: Vec<Row>,
     pub passes: Vec<Row>,
-    /// Milliseconds a frame, all passes summed; `None` where nothing was timed.
+    /// Time per frame over all passes, ms; `None` if nothing was timed.
     pub total: Option<Statistics>,
 }
 
 impl Timings {
-    /// Sums the times of each frame by stage, by pass and as a whole, and takes the statistics of these sums over the frames.
+    /// Sums each frame's times by stage, by pass and in total, and takes the statistics of these sums over the frames.
     pub fn of(times: &[PassTime]) -> Self {
         let frames = sums(times.iter().map(|time| ("", time)));
         Self {
@@ -69,7 +69,7 @@ impl Timings {
     }
 }
 
-/// Milliseconds of each frame, by key, keys in the order of their first appearance.
+/// Time of each frame by key, ms; keys are in the order of first appearance.
 fn sums<'t>(times: impl Iterator<Item = (&'t str, &'t PassTime)>) -> Vec<(&'t str, Vec<f64>)> {
     let mut keys: Vec<(&str, BTreeMap<u32, f64>)> = Vec::new();
     for (key, time) in times {
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn order_statistics_have_the_known_values() {
-        // Expected values by numpy.percentile with its default method.
+        // Expected values from numpy.percentile with its default method.
         let hundred: Vec<f64> = (0..101).rev().map(f64::from).collect();
         let cases: [(&[f64], [f64; 3]); 5] = [
             (&[7.0], [7.0, 7.0, 7.0]),
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn stages_sum_their_passes_frame_by_frame_before_the_median_is_taken() {
-        // The medians of the two passes add up to 4, the median of their sums is 11.
+        // The two passes' medians sum to 4, but the median of their sums is 11.
         let timings = Timings::of(&times(&[
             (0, "rsm/draw", 1.0),
             (0, "filter/x", 1.0),

@@ -1,9 +1,9 @@
-//! The timing table that a run ends with.
+//! The timing table printed at the end of a run.
 
 use super::{PassTime, Provenance, Row, Timings};
 use std::fmt::Write;
 
-/// The timing table as text: a caption, a row a stage, the total. With `verbose` each stage's passes stand under it.
+/// The timing table as text: a caption, a row for each stage, the total. With `verbose` each stage is followed by its passes.
 pub fn timing_table(times: &[PassTime], from: &Provenance, verbose: bool) -> String {
     let timings = Timings::of(times);
     let frames = timings.total.map_or(0, |total| total.n);

@@ -1,58 +1,58 @@
-//! How a scene moves: nodes that follow tracks, and the draws, lights and cameras that hang on them.
+//! Scene animation: nodes that follow tracks, and the draws, lights and cameras attached to them.
 //!
-//! Nothing is precomputed but the keys themselves: where all is at a time follows from the tracks at that time alone.
+//! Nothing is precomputed. Every transform follows from the keys at the asked time alone.
 
 use super::track::{EARLY, Track};
 use super::{Aabb, Camera, Draw, Light, Scene};
 use glam::{Affine3A, DAffine3, DQuat, DVec3, Vec3};
 use std::borrow::Cow;
 
-/// Nodes that move, and what hangs on them.
+/// Moving nodes, and everything attached to them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Animation {
-    /// What the file calls it, for messages.
+    /// Name in the file, for messages.
     pub name: String,
-    /// After so many seconds it begins again; over 0.
+    /// Period, s; over 0.
     pub duration: f64,
     pub tracks: Vec<Track>,
-    /// Parents before their children.
+    /// Nodes, parents before their children.
     pub nodes: Vec<MovingNode>,
-    /// Of the scene's draws, those that move.
+    /// The scene's draws that move.
     pub draws: Vec<Hung>,
-    /// Of the scene's lights, those that move.
+    /// The scene's lights that move.
     pub lights: Vec<Hung>,
-    /// Of the scene's cameras, those that move.
+    /// The scene's cameras that move.
     pub cameras: Vec<Hung>,
 }
 
-/// What hangs on a node: its index in the scene, and the node's in [`Animation::nodes`].
+/// An attachment: `index` of the draw, light or camera in the scene, and `node` in [`Animation::nodes`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hung {
     pub index: usize,
     pub node: usize,
 }
 
-/// A node that moves, by itself or with its parent.
+/// A node that moves, by its own tracks or with its parent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovingNode {
     pub parent: Parent,
     pub local: Local,
 }
 
-/// What a node stands on.
+/// Parent of a moving node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Parent {
-    /// The place in the world of a parent that does not move.
+    /// World transform of a parent that does not move.
     Still(DAffine3),
-    /// One of the moving nodes.
+    /// Index of a moving node.
     Moving(usize),
 }
 
-/// A node's transform relative to its parent. In double precision, so that deep hierarchies do not drift.
+/// Transform relative to the parent, in double precision so that deep hierarchies do not drift.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Local {
     Still(DAffine3),
-    /// What has no track of [`Animation::tracks`] stays as it is.
+    /// A part without a track in [`Animation::tracks`] is constant.
     Moving {
         translation: DVec3,
         rotation: DQuat,
@@ -64,7 +64,7 @@ pub enum Local {
 }
 
 impl Animation {
-    /// The transform to the world of every node at a time, which may be any.
+    /// World transform of every node, at any time.
     pub fn worlds(&self, seconds: f64) -> Vec<DAffine3> {
         let now = self.within(seconds);
         let mut worlds: Vec<DAffine3> = Vec::with_capacity(self.nodes.len());
@@ -74,7 +74,7 @@ impl Animation {
         worlds
     }
 
-    /// The transform to the world of a node at a time within the duration, with those of the nodes before it.
+    /// World transform of one node at a time within the period. `before` are those of the nodes before it.
     pub fn world(&self, node: &MovingNode, before: &[DAffine3], now: f64) -> DAffine3 {
         let parent = match node.parent {
             Parent::Still(world) => world,
@@ -83,7 +83,7 @@ impl Animation {
         parent * self.local(&node.local, now)
     }
 
-    /// Whether it moves anything: a longer one than a moment, on which something hangs.
+    /// Whether anything moves: the period is over 0 and something is attached.
     pub fn moves(&self) -> bool {
         self.duration > 0.0 && !(self.draws.is_empty() && self.lights.is_empty() && self.cameras.is_empty())
     }
@@ -99,14 +99,14 @@ impl Animation {
         }
     }
 
-    /// The time of the tracks: it begins again after the duration, and at no frame shows both its end and its beginning.
+    /// Time within the period. No frame shows both the end of the animation and its beginning.
     fn within(&self, seconds: f64) -> f64 {
         let now = if self.duration > 0.0 { seconds.rem_euclid(self.duration) } else { 0.0 };
         if self.duration - now < EARLY { 0.0 } else { now }
     }
 
-    /// Times that between them show about how far all gets: every key, and three steps between one and the next. Of animations that
-    /// have very many, an even choice.
+    /// Times at which extents are sampled: every key, and three steps between neighbouring keys. Animations with very many keys
+    /// are subsampled evenly.
     pub fn samples(&self) -> Vec<f64> {
         let mut keys: Vec<f32> = self.tracks.iter().flat_map(|track| track.times()).copied().collect();
         keys.sort_by(f32::total_cmp);
@@ -119,19 +119,19 @@ impl Animation {
     }
 }
 
-/// A transform in single precision, as draws have it. What is beyond that is nowhere: it shrinks to a point, which nothing shows.
+/// Transform in single precision, as draws have it. A transform beyond its range becomes zero, which draws nothing.
 pub fn single(world: DAffine3) -> Affine3A {
     let single = Affine3A::from_mat3_translation(world.matrix3.as_mat3(), world.translation.as_vec3());
     if single.is_finite() { single } else { Affine3A::ZERO }
 }
 
-/// A direction of a node in the world, normalized; that of the world itself where the node is scaled to nothing.
+/// World direction of a node, normalized. For a node scaled to nothing it is `direction` itself.
 fn axis(world: DAffine3, direction: DVec3) -> Vec3 {
     world.transform_vector3(direction).normalize_or(direction).as_vec3()
 }
 
 impl Light {
-    /// Puts the light at a node: it shines along the node's -Z.
+    /// Places the light at a node: it shines along the node's -Z.
     pub fn stand_at(&mut self, world: DAffine3) {
         let (to, towards) = (single(world).translation.into(), axis(world, DVec3::NEG_Z));
         match self {
@@ -144,7 +144,7 @@ impl Light {
 }
 
 impl Camera {
-    /// Puts the camera at a node: it looks along the node's -Z, and +Y is up.
+    /// Places the camera at a node: it looks along the node's -Z, and +Y is up.
     pub fn stand_at(&mut self, world: DAffine3) {
         self.position = single(world).translation.into();
         self.target = self.position + axis(world, DVec3::NEG_Z);
@@ -153,7 +153,7 @@ impl Camera {
 }
 
 impl Scene {
-    /// Puts all that its animation moves where it is at a time.
+    /// Moves everything animated to its place at a time.
     pub fn set_time(&mut self, seconds: f64) {
         let Some(animation) = &self.animation else { return };
         let worlds = animation.worlds(seconds);
@@ -164,7 +164,7 @@ impl Scene {
         stand(&mut self.cameras, &animation.cameras, |camera, node| camera.stand_at(worlds[node]));
     }
 
-    /// The scene's lights as they are at a time, whichever it was set to.
+    /// The scene's lights at a time, independent of [`Scene::set_time`].
     pub fn lights_at(&self, seconds: f64) -> Cow<'_, [Light]> {
         match &self.animation {
             Some(animation) if !animation.lights.is_empty() => {
@@ -176,7 +176,7 @@ impl Scene {
         }
     }
 
-    /// The scene's cameras as they are at a time, whichever it was set to.
+    /// The scene's cameras at a time, independent of [`Scene::set_time`].
     pub fn cameras_at(&self, seconds: f64) -> Cow<'_, [Camera]> {
         match &self.animation {
             Some(animation) if !animation.cameras.is_empty() => {
@@ -188,14 +188,14 @@ impl Scene {
         }
     }
 
-    /// Of each draw whether it moves.
+    /// Whether each draw moves.
     pub fn moving_draws(&self) -> Vec<bool> {
         let mut moving = vec![false; self.draws.len()];
         self.animation.iter().flat_map(|animation| &animation.draws).for_each(|hung| moving[hung.index] = true);
         moving
     }
 
-    /// Boxes that the moving draws stay in, by the draw's index, over all of the animation: those of their own boxes at
+    /// Bounds of each moving draw over the whole animation, by the draw's index: the union of its own bounds, moved to all
     /// [`Animation::samples`].
     pub fn swept_bounds(&self) -> Vec<(usize, Aabb)> {
         let Some(animation) = &self.animation else { return Vec::new() };

@@ -1,9 +1,9 @@
-//! Puts meshes together into a [`Scene`]'s one vertex and one index array.
+//! Adding meshes to a [`Scene`]'s one vertex and one index array.
 
 use super::{Draw, Material, Scene, Texture, Vertex, pack, tangents};
 use glam::{Affine3A, Vec2, Vec3};
 
-/// Triangles being made: positions, unit normals and texture coordinates, one of each a vertex.
+/// A mesh under construction: position, unit normal and texture coordinate of each vertex.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
     pub positions: Vec<Vec3>,
@@ -45,8 +45,8 @@ impl Scene {
         self.materials.len() as u32 - 1
     }
 
-    /// Adds a mesh's triangles and draws them once at each of `transforms`; a mesh without triangles adds nothing. Where the
-    /// material has a normal map, the vertices get their tangents.
+    /// Adds a mesh's triangles and draws them once at each of `transforms`; a mesh without triangles adds nothing. If the
+    /// material has a normal map, the vertices get tangents.
     pub fn add_mesh(&mut self, mesh: &Mesh, material: u32, transforms: &[Affine3A]) {
         if mesh.indices.is_empty() {
             return;

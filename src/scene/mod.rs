@@ -1,8 +1,8 @@
-//! What is rendered: triangles, materials, textures, lights and cameras, as plain host data.
+//! Scenes: triangles, materials, textures, lights and cameras, as plain host data.
 //!
-//! A scene comes from a glTF file ([`gltf`]) or is made by code ([`builtin`]). All of it lies in one vertex and one index
-//! array; a [`Draw`] is a range of them with a material and a place in the world. Lengths are metres, +Y is up, the
-//! coordinate system is right-handed, and light is in the radiometric units of the README.
+//! A scene comes from a glTF file ([`gltf`]) or from code ([`builtin`]). It has one vertex and one index array; a [`Draw`] is a
+//! range of them with a material and a transform. Lengths are metres, +Y is up, the coordinate system is right-handed, and
+//! light is in the radiometric units of the README.
 
 pub mod animation;
 pub mod builder;
@@ -17,63 +17,63 @@ pub mod track;
 
 use glam::{Affine3A, Mat2, Vec2, Vec3};
 
-/// A vertex as it lies in the vertex buffer: 32 bytes.
+/// A vertex as laid out in the vertex buffer: 32 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Vertex {
-    /// Position in the draw's own space, metres.
+    /// Position in the draw's own space, m.
     pub position: [f32; 3],
     /// Shading normal, octahedral, two signed normalized 16-bit numbers ([`pack::octahedral_snorm16`]).
     pub normal: u32,
-    /// Texture coordinates as in glTF: (0, 0) is the upper left corner of the image.
+    /// Texture coordinates as in glTF: (0, 0) is the image's upper left corner.
     pub uv: [f32; 2],
     /// Linear RGBA, four unsigned normalized bytes ([`pack::unorm8x4`]); multiplies the base colour.
     pub color: u32,
-    /// Tangent and its handedness ([`pack::tangent`]); only read where the material has a normal map.
+    /// Tangent and its handedness ([`pack::tangent`]); only read if the material has a normal map.
     pub tangent: u32,
 }
 
-/// Everything that is drawn, and what it is lit and seen by.
+/// A scene: its geometry, materials, lights and cameras.
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
-    /// What the user calls it: the file's name or the built-in's.
+    /// Name for the user: the file's, or the built-in's.
     pub name: String,
     pub vertices: Vec<Vertex>,
-    /// Three a triangle, relative to the draw's `vertex_offset`; counter-clockwise seen from the front.
+    /// Indices, three per triangle, relative to the draw's `vertex_offset`; counter-clockwise seen from the front.
     pub indices: Vec<u32>,
     pub draws: Vec<Draw>,
     pub materials: Vec<Material>,
     pub textures: Vec<Texture>,
     /// The scene's own lights; the config's `[[light]]` tables replace them.
     pub lights: Vec<Light>,
-    /// The scene's own cameras; the first is the default one.
+    /// The scene's own cameras; the first is the default.
     pub cameras: Vec<Camera>,
-    /// How it moves, if it does. What stands in the other fields is the scene at one time: [`Scene::set_time`].
+    /// The animation, if there is one. The other fields hold the scene at one time: [`Scene::set_time`].
     pub animation: Option<animation::Animation>,
 }
 
-/// A range of triangles with one material at one place. Several draws may share their range (instances).
+/// A range of triangles with one material and one transform. Several draws may share a range (instances).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draw {
     pub first_index: u32,
     pub index_count: u32,
-    /// Added to every index of the range.
+    /// Offset added to every index of the range.
     pub vertex_offset: u32,
     /// Index into [`Scene::materials`].
     pub material: u32,
-    /// From the draw's own space to the world.
+    /// Transform from the draw's own space to the world.
     pub transform: Affine3A,
 }
 
-/// A surface: Lambert where it is not metal, GGX where it is. Factors multiply their maps, as in glTF.
+/// A surface: Lambert for dielectrics, GGX for metals. Factors multiply their maps, as in glTF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     pub name: String,
-    /// Linear RGBA; alpha only matters under `alpha_cutoff`.
+    /// Linear RGBA; alpha only matters with `alpha_cutoff`.
     pub base_color: [f32; 4],
     pub base_color_map: Option<Map>,
     pub metallic: f32,
-    /// Perceptual roughness: GGX alpha is its square.
+    /// Perceptual roughness; its square is GGX alpha.
     pub roughness: f32,
     /// Metallic in blue, roughness in green.
     pub metallic_roughness_map: Option<Map>,
@@ -82,9 +82,9 @@ pub struct Material {
     pub emission_map: Option<Map>,
     pub normal_map: Option<Map>,
     pub normal_scale: f32,
-    /// Texels with less alpha are holes; `None` is opaque.
+    /// Alpha under which texels are holes; `None` is opaque.
     pub alpha_cutoff: Option<f32>,
-    /// Both faces reflect; otherwise the camera looks through back faces, and light that meets them is lost.
+    /// Whether both faces reflect. Otherwise back faces are invisible to the camera, and light that hits them is lost.
     pub double_sided: bool,
 }
 
@@ -107,7 +107,7 @@ impl Default for Material {
     }
 }
 
-/// A use of a texture: which, how it wraps, and where it lies on the surface.
+/// A use of a texture: its index, wrapping, filter, and transform on the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Map {
     /// Index into [`Scene::textures`].
@@ -115,13 +115,13 @@ pub struct Map {
     pub wrap_u: Wrap,
     pub wrap_v: Wrap,
     pub filter: Filter,
-    /// The texture is looked up at `matrix * uv + offset`.
+    /// Transform of texture coordinates: the texture is looked up at `matrix * uv + offset`.
     pub matrix: Mat2,
     pub offset: Vec2,
 }
 
 impl Map {
-    /// The texture as it is: repeated, filtered, not transformed.
+    /// The texture untransformed, repeated, and filtered linearly.
     pub fn new(texture: u32) -> Self {
         Self { texture, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, filter: Filter::Linear, matrix: Mat2::IDENTITY, offset: Vec2::ZERO }
     }
@@ -134,43 +134,43 @@ pub enum Wrap {
     ClampToEdge,
 }
 
-/// Magnification; minification is trilinear with `Linear` and takes the nearest texel of the nearest mip with `Nearest`.
+/// Magnification filter. Minification is trilinear with `Linear`; with `Nearest` it takes the nearest texel of the nearest mip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Filter {
     Linear,
     Nearest,
 }
 
-/// An image of `width * height` RGBA texels of 8 bits each, first row on top. Mips are made when it goes to the device.
+/// An image of `width * height` RGBA texels of 8 bits each, first row on top. Mips are made on upload.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
     pub name: String,
     pub width: u32,
     pub height: u32,
-    /// Colour (sRGB curve on RGB) or data (linear).
+    /// Whether RGB is sRGB-encoded colour; otherwise it is linear data.
     pub srgb: bool,
     pub texels: Vec<u8>,
 }
 
-/// A light source. Directions are those in which light travels, normalized.
+/// A light source. Directions are normalized, and point the way the light travels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
-    /// Irradiance on a plane that faces it, W/m^2.
+    /// Irradiance on a plane that faces the light, W/m^2.
     Directional { direction: Vec3, irradiance: Vec3 },
     /// Radiant intensity on the axis, W/sr; half-angles in radians.
     Spot { position: Vec3, direction: Vec3, intensity: Vec3, inner: f32, outer: f32, falloff: SpotFalloff },
-    /// Radiant intensity, W/sr, the same in all directions.
+    /// Radiant intensity, W/sr, equal in all directions.
     Point { position: Vec3, intensity: Vec3 },
-    /// Radiance from everywhere, W/(m^2 sr).
+    /// Radiance from all directions, W/(m^2 sr).
     Environment { radiance: Vec3 },
 }
 
-/// How a spot light falls off between its inner and its outer half-angle.
+/// Falloff of a spot light between its inner and its outer half-angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpotFalloff {
-    /// `clamp((outer - a) / (outer - inner), 0, 1)` of the angle a: the config's lights, and Mitsuba's `spot`.
+    /// `clamp((outer - a) / (outer - inner), 0, 1)` at angle a from the axis: the config's lights, and Mitsuba's `spot`.
     Angle,
-    /// `clamp((cos a - cos outer) / (cos inner - cos outer), 0, 1)^2`: KHR_lights_punctual.
+    /// `clamp((cos a - cos outer) / (cos inner - cos outer), 0, 1)^2` at angle a from the axis: KHR_lights_punctual.
     CosineSquared,
 }
 
@@ -194,7 +194,7 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// Contains nothing; the identity of [`Aabb::union`].
+    /// The empty box; the identity of [`Aabb::union`].
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
     pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
@@ -205,7 +205,7 @@ impl Aabb {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// The box around this one where a transform takes it.
+    /// Bounds of this box after a transform.
     pub fn transformed(self, transform: &Affine3A) -> Self {
         Self::of(self.corners().map(|corner| transform.transform_point3(corner)))
     }
@@ -234,22 +234,22 @@ impl Scene {
         self.draws.iter().map(|draw| u64::from(draw.index_count) / 3).sum()
     }
 
-    /// The vertices of a draw's triangles, three each.
+    /// The vertices of a draw's triangles, three per triangle.
     pub fn draw_vertices(&self, draw: &Draw) -> impl Iterator<Item = &Vertex> {
         let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
         let offset = draw.vertex_offset;
         self.indices[range].iter().map(move |&i| &self.vertices[(offset + i) as usize])
     }
 
-    /// World-space bounds of all that is drawn; of what moves, over all of the animation ([`Scene::swept_bounds`]), so that what
-    /// depends on them does not tremble.
+    /// World-space bounds of all draws. Moving draws count with their bounds over the whole animation
+    /// ([`Scene::swept_bounds`]), so that sizes derived from the bounds do not jitter.
     pub fn bounds(&self) -> Aabb {
         let moving = self.moving_draws();
         let still = self.draws.iter().zip(moving).filter(|(_, moves)| !moves).map(|(draw, _)| self.draw_bounds(draw));
         still.chain(self.swept_bounds().into_iter().map(|(_, swept)| swept)).fold(Aabb::EMPTY, Aabb::union)
     }
 
-    /// World-space bounds of a draw at the scene's time.
+    /// World-space bounds of a draw at the scene's present time.
     pub fn draw_bounds(&self, draw: &Draw) -> Aabb {
         Aabb::of(self.draw_vertices(draw).map(|vertex| draw.transform.transform_point3(vertex.position.into())))
     }

@@ -1,15 +1,14 @@
-//! Triangles in an order that keeps neighbours together: passes that take so many triangles after one another find them near each
-//! other.
+//! Triangles in a coherent order: passes that take a run of consecutive triangles find them close together.
 
 use super::{Scene, Vertex};
 use glam::{UVec3, Vec3};
 use std::collections::BTreeMap;
 
-/// Cells an axis of a mesh's bounds: 10 bits, three of which fill 30 of the key's.
+/// Cells per axis of a mesh's bounds: 10 bits, so that three fill 30 bits of a key.
 const CELLS: f32 = 1024.0;
 
 impl Scene {
-    /// Puts the triangles of each mesh in order along a Morton curve through their middles.
+    /// Sorts the triangles of each mesh along a Morton curve through their centroids.
     pub fn sort_triangles(&mut self) {
         let ranges: BTreeMap<u32, (u32, u32)> =
             self.draws.iter().map(|draw| (draw.first_index, (draw.index_count, draw.vertex_offset))).collect();
@@ -36,7 +35,7 @@ fn sort_triangles(vertices: &[Vertex], indices: &mut [u32]) {
     indices.copy_from_slice(triangles.as_flattened());
 }
 
-/// The bits of three numbers of 10 bits in turn.
+/// Morton code of three 10-bit numbers.
 fn morton(cell: UVec3) -> u32 {
     let [x, y, z] = cell.to_array().map(|n| (0..10).map(|bit| (n >> bit & 1) << (3 * bit)).sum::<u32>());
     x | y << 1 | z << 2

@@ -1,4 +1,4 @@
-//! Packing of vertex attributes: the inverse functions are in `glsl/lib/packing.glsl`.
+//! Packing of vertex attributes. The shaders' inverses are in `glsl/lib/packing.glsl`.
 
 use glam::{Vec2, Vec3};
 
@@ -19,31 +19,31 @@ fn sign(p: Vec2) -> Vec2 {
     Vec2::new(if p.x >= 0.0 { 1.0 } else { -1.0 }, if p.y >= 0.0 { 1.0 } else { -1.0 })
 }
 
-/// A unit vector as two signed normalized 16-bit numbers, x in the low half.
+/// A unit vector as two octahedral coordinates, signed normalized 16-bit numbers, x in the low half.
 pub fn octahedral_snorm16(v: Vec3) -> u32 {
     let p = (octahedral(v).clamp(Vec2::NEG_ONE, Vec2::ONE) * 32767.0).round();
     u32::from(p.x as i16 as u16) | u32::from(p.y as i16 as u16) << 16
 }
 
-/// The unit vector that [`octahedral_snorm16`] packed.
+/// The unit vector packed by [`octahedral_snorm16`].
 pub fn octahedral_snorm16_inverse(packed: u32) -> Vec3 {
     let p = Vec2::new((packed as u16 as i16) as f32, ((packed >> 16) as u16 as i16) as f32) / 32767.0;
     octahedral_inverse(p.clamp(Vec2::NEG_ONE, Vec2::ONE))
 }
 
-/// Four numbers in [0, 1] as bytes, the first in the lowest.
+/// Four numbers in [0, 1] as unsigned normalized bytes, the first in the lowest byte.
 pub fn unorm8x4(v: [f32; 4]) -> u32 {
     u32::from_le_bytes(v.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8))
 }
 
-/// A unit tangent and its handedness (`bitangent = handedness * cross(normal, tangent)`): two octahedral coordinates of
-/// 15 bits each, unsigned normalized, x lowest, and bit 31 set where the handedness is negative.
+/// A unit tangent and its handedness (`bitangent = handedness * cross(normal, tangent)`): two octahedral coordinates of 15 bits
+/// each, unsigned normalized, x lowest; bit 31 is set if the handedness is negative.
 pub fn tangent(v: Vec3, handedness: f32) -> u32 {
     let p = ((octahedral(v).clamp(Vec2::NEG_ONE, Vec2::ONE) * 0.5 + 0.5) * 32767.0).round();
     p.x as u32 | (p.y as u32) << 15 | u32::from(handedness < 0.0) << 31
 }
 
-/// The unit tangent and the handedness that [`tangent`] packed.
+/// The unit tangent and the handedness packed by [`tangent`].
 pub fn tangent_inverse(packed: u32) -> (Vec3, f32) {
     let p = Vec2::new((packed & 0x7fff) as f32, (packed >> 15 & 0x7fff) as f32) / 32767.0 * 2.0 - 1.0;
     (octahedral_inverse(p), if packed >> 31 != 0 { -1.0 } else { 1.0 })
@@ -56,7 +56,7 @@ mod tests {
     #[test]
     fn packed_directions_come_back_to_a_ten_thousandth() {
         for i in 0..10_000 {
-            // Points of a spherical Fibonacci set: every octant and both poles' neighbourhoods.
+            // Points of a spherical Fibonacci set, in every octant and near both poles.
             let z = 1.0 - (2.0 * i as f32 + 1.0) / 10_000.0;
             let phi = i as f32 * 2.399_963;
             let r = (1.0 - z * z).sqrt();

@@ -1,4 +1,4 @@
-//! Where a config's scene comes from: a glTF file or a built-in.
+//! The scene of a config: a glTF file or a built-in.
 
 use super::Scene;
 use super::builtin::{self, Atrium, Caustics};
@@ -7,7 +7,7 @@ use crate::config::{Builtin, SceneConfig, SceneSelector};
 use crate::trace;
 use anyhow::Result;
 
-/// Loads or makes the config's scene; beside it, what the user should be told.
+/// Loads or makes the config's scene. Beside it come warnings for the user.
 pub fn load_scene(config: &SceneConfig) -> Result<(Scene, Vec<String>)> {
     let _span = trace::span("loading the scene");
     if let Some(path) = &config.file {

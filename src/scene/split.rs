@@ -1,4 +1,4 @@
-//! Triangles whose edges are short: projections that bend edges, such as the paraboloid one, then bend them little.
+//! Splitting of triangles with long edges: projections that bend edges, such as the paraboloid one, bend short ones little.
 
 use super::pack::{octahedral_snorm16, octahedral_snorm16_inverse, tangent, tangent_inverse, unorm8x4};
 use super::{Scene, Vertex};
@@ -6,8 +6,8 @@ use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::collections::{BTreeMap, HashMap};
 
 impl Scene {
-    /// Splits triangles until no edge is longer than `part` of the scene's diagonal, over 0. Edges are halved, and whether one is depends
-    /// on it alone: neighbours stay neighbours.
+    /// Splits triangles until no edge is longer than `part` (over 0) of the scene's diagonal. Edges are halved. Whether an edge
+    /// is split depends on it alone, so that neighbours stay neighbours.
     pub fn split_triangles(&mut self, part: f32) {
         let longest = part * self.bounds().size().length();
         assert!(part > 0.0, "edges cannot be shorter than nothing");
@@ -36,7 +36,7 @@ fn split(vertices: &mut Vec<Vertex>, offset: u32, triangles: &[u32], transforms:
     let mut open: Vec<[u32; 3]> = triangles.as_chunks().0.iter().rev().copied().collect();
     while let Some(triangle) = open.pop() {
         let corners = triangle.map(|i| Vec3::from(vertices[(offset + i) as usize].position));
-        // Edge k lies between corners k and k + 1.
+        // Edge k is between corners k and k + 1.
         let long = [0, 1, 2].map(|k| {
             let edge = corners[(k + 1) % 3] - corners[k];
             transforms.iter().any(|transform| transform.transform_vector3(edge).length() > longest)
@@ -59,7 +59,7 @@ fn split(vertices: &mut Vec<Vertex>, offset: u32, triangles: &[u32], transforms:
                 open.extend([[triangle[0], m[0], m[2]], [m[0], triangle[1], m[1]], [m[2], m[1], triangle[2]], m]);
             }
             2 => {
-                // Turned so that the short edge is the last one.
+                // Corners are rotated so that the short edge is last.
                 let k = (long.iter().position(|is_long| !is_long).unwrap_or(0) + 1) % 3;
                 let [a, b, c] = [0, 1, 2].map(|i| triangle[(k + i) % 3]);
                 let (ab, bc) = (middle(k), middle((k + 1) % 3));
@@ -75,7 +75,7 @@ fn split(vertices: &mut Vec<Vertex>, offset: u32, triangles: &[u32], transforms:
     }
 }
 
-/// The vertex in the middle between two.
+/// The vertex halfway between two.
 fn halfway(a: &Vertex, b: &Vertex) -> Vertex {
     let unit = |a: Vec3, b: Vec3| (a + b).try_normalize().unwrap_or(a);
     let color = |packed: u32| Vec4::from_array(packed.to_le_bytes().map(|c| f32::from(c) / 255.0));
@@ -98,7 +98,7 @@ mod tests {
         Vertex { position: position.into(), normal: octahedral_snorm16(Vec3::Y), color: u32::MAX, uv: [position.x, position.z], tangent: 0 }
     }
 
-    /// A strip of two large triangles, drawn twice, once as large.
+    /// A strip of two large triangles, drawn twice, the second time at twice the size.
     fn scene() -> Scene {
         let corners = [Vec3::ZERO, Vec3::new(0.0, 0.0, 3.0), Vec3::new(8.0, 0.0, 0.0), Vec3::new(8.0, 0.0, 3.0)];
         let draw = |scale| Draw {
@@ -142,7 +142,7 @@ mod tests {
     fn neighbours_share_the_vertices_of_their_edge() {
         let mut scene = scene();
         scene.split_triangles(0.05);
-        // Every edge inside is there twice, once each way; those around the strip once.
+        // Every inner edge occurs once in each direction; an edge of the strip's border occurs once.
         let mut edges: HashMap<[u32; 2], i32> = HashMap::new();
         for [a, b, c] in scene.indices.as_chunks().0 {
             for [from, to] in [[a, b], [b, c], [c, a]] {

@@ -1,14 +1,14 @@
-//! Tangents for normal maps, by Mikkelsen's algorithm, which the tools that make normal maps use as well.
+//! Tangents for normal maps by Mikkelsen's algorithm (MikkTSpace), as the tools that bake normal maps compute them.
 
 use super::{Vertex, pack};
 use bevy_mikktspace::{Geometry, TangentSpace};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 
-/// Gives the vertices of these triangles their tangents. A vertex whose triangles disagree (a seam, mirrored texture
-/// coordinates) is split: its copies go to the end of `vertices`, and indices change. Indices must be in range.
+/// Computes the tangents of these triangles' vertices. A vertex whose triangles disagree (a seam, mirrored texture coordinates)
+/// is split: its copies are appended to `vertices`, and indices change. Indices must be in range.
 ///
-/// `uv` takes a vertex's texture coordinates to those at which the normal map is looked up.
+/// `uv` transforms a vertex's texture coordinates to those of the normal map.
 pub fn fill(vertices: &mut Vec<Vertex>, indices: &mut [u32], uv: impl Fn(Vec2) -> Vec2) {
     let mut triangles = Triangles { vertices, indices, uv, corners: vec![0; indices.len()] };
     if let Err(error) = bevy_mikktspace::generate_tangents(&mut triangles) {
@@ -16,7 +16,7 @@ pub fn fill(vertices: &mut Vec<Vertex>, indices: &mut [u32], uv: impl Fn(Vec2) -
     }
     let corners = triangles.corners;
 
-    // The first tangent that a vertex is given stays with it; others go to copies of it.
+    // A vertex keeps the first tangent it gets; other tangents go to copies.
     let mut first = vec![false; vertices.len()];
     let mut copies: HashMap<(u32, u32), u32> = HashMap::new();
     for (index, &tangent) in indices.iter_mut().zip(&corners) {
@@ -34,10 +34,10 @@ pub fn fill(vertices: &mut Vec<Vertex>, indices: &mut [u32], uv: impl Fn(Vec2) -
 
 struct Triangles<'a, F> {
     vertices: &'a [Vertex],
-    /// Three a triangle.
+    /// Three indices per triangle.
     indices: &'a [u32],
     uv: F,
-    /// The packed tangent of each of them.
+    /// Packed tangent of each corner.
     corners: Vec<u32>,
 }
 
@@ -64,7 +64,7 @@ impl<F: Fn(Vec2) -> Vec2> Geometry for Triangles<'_, F> {
         pack::octahedral_snorm16_inverse(self.vertex(face, corner).normal).into()
     }
 
-    /// With v upwards: glTF's normal maps have green point up in the image, while its v goes down.
+    /// v is flipped to point up: in glTF's normal maps green points up in the image, while v goes down.
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
         let uv = (self.uv)(self.vertex(face, corner).uv.into());
         [uv.x, 1.0 - uv.y]
@@ -73,7 +73,7 @@ impl<F: Fn(Vec2) -> Vec2> Geometry for Triangles<'_, F> {
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
         let normal = Vec3::from(self.normal(face, corner));
         let [x, y, z, handedness] = space.map_or([0.0, 0.0, 0.0, 1.0], |space| space.tangent_encoded());
-        // A triangle without area, in space or in texture space, has none: any direction in its plane will do.
+        // A triangle without area in space or in texture space has no tangent; any direction in its plane will do.
         let tangent = Vec3::new(x, y, z).reject_from_normalized(normal).try_normalize();
         let tangent = tangent.unwrap_or_else(|| normal.any_orthonormal_vector());
         self.corners[3 * face + corner] = pack::tangent(tangent, handedness);
@@ -86,7 +86,7 @@ mod tests {
 
     const UPRIGHT: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
 
-    /// A square metre in the xy plane that faces +z.
+    /// A square of 1 m in the xy plane, facing +z.
     fn wall(uvs: [[f32; 2]; 4]) -> (Vec<Vertex>, Vec<u32>) {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let normal = pack::octahedral_snorm16(Vec3::Z);
@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn vertices_between_mirrored_halves_are_split() {
-        // Two squares that share an edge, the picture mirrored across it.
+        // Two squares share an edge, and the texture is mirrored across it.
         let (mut vertices, mut indices) = wall(UPRIGHT);
         for (x, y) in [(2.0, 0.0), (2.0, 1.0)] {
             vertices.push(Vertex { position: [x, y, 0.0], uv: [0.0, 1.0 - y], ..vertices[0] });

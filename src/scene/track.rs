@@ -1,63 +1,63 @@
-//! A value that runs through keyframes: a sampler of a glTF animation.
+//! Keyframed values: samplers of glTF animations.
 
 use glam::{DQuat, DVec3, DVec4};
 
-/// How a track runs from one key to the next (glTF 2.0, appendix C).
+/// Interpolation between keys (glTF 2.0, appendix C).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Course {
-    /// It stays at a key's value until the next.
+    /// A key's value holds until the next key.
     Step,
-    /// Straight on; rotations turn evenly about one axis, the short way.
+    /// Linear interpolation; slerp the short way for rotations.
     Linear,
     /// A cubic Hermite spline through values with tangents.
     Cubic,
 }
 
-/// A key counts as reached so many seconds early: a frame's time and a file's are not rounded alike, and a step that is to fall on
-/// a frame falls on it.
+/// A key counts as reached this early, s. A frame's time and a file's are rounded differently, and a step at a frame's time
+/// must fall on the frame.
 pub(super) const EARLY: f64 = 1e-5;
 
-/// Keys by time. Vectors leave the fourth number alone; rotations are quaternions x, y, z, w.
+/// Keys by time. The fourth number of vectors is unused; rotations are quaternions x, y, z, w.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Track {
     course: Course,
     times: Vec<f32>,
-    /// One a key; three of [`Course::Cubic`]: incoming tangent, value, outgoing tangent, tangents a second.
+    /// One value per key; three for [`Course::Cubic`]: incoming tangent, value, outgoing tangent, the tangents per second.
     values: Vec<[f32; 4]>,
 }
 
-/// Where a time is among the keys.
+/// Position of a time among the keys.
 enum Place {
-    /// Before the first key, after the last, or where a step holds.
+    /// A key's own value holds: before the first key, after the last, or in a step.
     At(usize),
-    /// After a key: the share of the way to the next, and that way's seconds.
+    /// A key, the fraction of the way to the next, and the seconds between both.
     Between(usize, f64, f64),
 }
 
 impl Track {
-    /// A track of one key or more whose times are finite and do not fall, with as many values as its course needs.
+    /// A track of at least one key, with finite ascending times and as many values as its course needs.
     pub fn new(course: Course, times: Vec<f32>, values: Vec<[f32; 4]>) -> Self {
         assert!(!times.is_empty() && values.len() == times.len() * Self::values_a_key(course), "a track's values are those of its keys");
         assert!(times.iter().all(|time| time.is_finite()) && times.is_sorted(), "a track's times do not fall");
         Self { course, times, values }
     }
 
-    /// How many values each key of a course has.
+    /// Number of values per key of a course.
     pub fn values_a_key(course: Course) -> usize {
         if course == Course::Cubic { 3 } else { 1 }
     }
 
-    /// Times of the keys, seconds.
+    /// Times of the keys, s.
     pub fn times(&self) -> &[f32] {
         &self.times
     }
 
-    /// The vector at a time; held before the first key and after the last.
+    /// The vector at a time, constant before the first key and after the last.
     pub fn vector(&self, seconds: f64) -> DVec3 {
         self.sample(seconds, |a, b, s| a + (b - a) * s).truncate()
     }
 
-    /// The rotation at a time, a unit quaternion; held before the first key and after the last.
+    /// The rotation at a time as a unit quaternion, constant before the first key and after the last.
     pub fn rotation(&self, seconds: f64) -> DQuat {
         let slerp = |a, b, s| DVec4::from(unit(a).slerp(unit(b), s));
         unit(self.sample(seconds, slerp))
@@ -99,7 +99,7 @@ impl Track {
     }
 }
 
-/// The rotation of a quaternion of any length; none where a spline runs through nothing.
+/// The normalized quaternion; the identity for one of length 0, which a spline may pass.
 fn unit(v: DVec4) -> DQuat {
     DQuat::from_vec4(v.normalize_or(DVec4::W))
 }
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn a_spline_has_the_values_and_tangents_of_its_keys() {
-        // x(t) = t^3 - 2 t and y(t) = t^2, which splines of the third degree follow; z has a corner at the second key.
+        // x(t) = t^3 - 2 t and y(t) = t^2 are cubics, which splines follow exactly; z has a corner at the second key.
         let keys = |t: f32| {
             let (value, slope) = ([t * t * t - 2.0 * t, t * t, t], [3.0 * t * t - 2.0, 2.0 * t, 1.0]);
             [[slope[0], slope[1], 0.0], value, slope]
@@ -167,14 +167,14 @@ mod tests {
             let expected = DVec3::new(seconds.powi(3) - 2.0 * seconds, seconds * seconds, found.z);
             assert!((found - expected).length() < 1e-9, "{seconds}: {found}");
         }
-        // From 0 to 1/2: tangents 1 and 0 over half a second. By hand at the middle: (0 + 0.5) / 2 + 0.5 (1 - 0) / 8.
+        // From 0 to 1/2, tangents are 1 and 0 over half a second. By hand at the middle: (0 + 0.5) / 2 + 0.5 (1 - 0) / 8.
         assert!((track.vector(0.25).z - 0.3125).abs() < 1e-12);
     }
 
     #[test]
     fn rotations_turn_evenly_the_short_way() {
         let quarter = DQuat::from_rotation_y(FRAC_PI_2);
-        // The same rotation as the opposite quaternion must not make it turn by three quarters.
+        // The opposite quaternion is the same rotation, and must not turn by three quarters.
         for end in [quarter, -quarter] {
             let track = turns(Course::Linear, &[0.0, 3.0], &[DQuat::IDENTITY, end]);
             for (seconds, angle) in [(0.0, 0.0), (1.0, FRAC_PI_6), (1.5, FRAC_PI_4), (2.0, PI / 3.0), (3.0, FRAC_PI_2)] {
@@ -193,10 +193,10 @@ mod tests {
         let (from, to) = (DQuat::IDENTITY, DQuat::from_rotation_x(FRAC_PI_2));
         let none = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
         let track = turns(Course::Cubic, &[0.0, 1.0], &[none, from, none, none, to, none]);
-        // Without tangents the middle is the mean, and its length is made 1.
+        // Without tangents the middle is the mean, normalized.
         assert!(track.rotation(0.5).angle_between(DQuat::from_rotation_x(FRAC_PI_4)) < 1e-6);
         assert!((track.rotation(0.5).length() - 1.0).abs() < 1e-12);
-        // A quarter of the way: 0.84375 of the first and 0.15625 of the second.
+        // At a quarter of the way: 0.84375 of the first and 0.15625 of the second.
         let mean = DVec4::from(from) * 0.84375 + DVec4::from(to) * 0.15625;
         assert!(track.rotation(0.25).angle_between(DQuat::from_vec4(mean.normalize())) < 1e-6);
         let through_nothing = turns(Course::Cubic, &[0.0, 1.0], &[none, from, none, none, -from, none]);

@@ -1,4 +1,4 @@
-//! From the folders of runs to the cells of a table.
+//! Cells of a table from the folders of its runs.
 
 use super::folders::{IMAGE, RECORD, TIMINGS, WALKS, is_done, read_json, reference_folder, run_folder};
 use super::plan::{Plan, Run};
@@ -13,32 +13,32 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A cell's value with what belongs to it.
+/// A cell's value, with its unit, statistics and origin.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cell {
-    /// What was measured.
+    /// The measure in words.
     pub measure: String,
-    /// `ms`, `x` (a ratio), `bytes`, or nothing.
+    /// `ms`, `x` (a ratio), `bytes`, or empty.
     pub unit: &'static str,
-    /// `None` where `why` says so.
+    /// The value; `None` if there is none, for the reason in `why`.
     pub value: Option<f64>,
-    /// 5th and 95th percentile of the frames, and their number; only times have them.
+    /// 5th and 95th percentile over the frames, and their number; only for times.
     pub p5: Option<f64>,
     pub p95: Option<f64>,
     pub n: Option<u64>,
     /// The paper's figure.
     pub published: Option<f64>,
-    /// Of times, over the cell that the table names; the paper's likewise.
+    /// Ratios of times to the cell that the table names, of ours and of the paper's.
     pub relative: Option<f64>,
     pub published_relative: Option<f64>,
-    /// The run's and the truth's folder.
+    /// Keys of the run and its reference, the names of their folders.
     pub run: Option<String>,
     pub reference: Option<String>,
-    /// Why there is no value.
+    /// Reason for a missing value.
     pub why: Option<String>,
 }
 
-/// A table's cells and where they come from: `table.json`.
+/// A table's cells and their origin, the content of `table.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Results {
     pub kind: &'static str,
@@ -52,24 +52,24 @@ pub struct Results {
     pub scale: f64,
     pub quick: bool,
     pub sets: Vec<String>,
-    /// Whether all runs are there.
+    /// Whether all runs are done.
     pub complete: bool,
     /// The paper's hardware, scene and settings.
     pub published: Value,
     pub deviations: Vec<String>,
     pub rows: Vec<String>,
     pub columns: Vec<String>,
-    /// Row by row.
+    /// Cells, row by row.
     pub cells: Vec<Vec<Cell>>,
-    /// By key: label and the keys by which they differ.
+    /// Runs by key, with their labels and differing keys.
     pub runs: BTreeMap<String, Value>,
     pub references: Vec<String>,
 }
 
-/// Works all cells out.
+/// Computes all cells.
 ///
 /// # Errors
-/// `BadInput` where a file of a run is damaged, or runs of several devices, versions or shaders stand side by side.
+/// `BadInput` for a damaged file of a run, and for runs of different devices, timing modes, versions or shaders.
 pub fn results(table: &Table, plan: &Plan, folder: &Path) -> Result<Results> {
     let mut records = BTreeMap::new();
     for run in plan.runs.iter().filter(|run| is_done(folder, run)) {
@@ -124,7 +124,7 @@ pub fn results(table: &Table, plan: &Plan, folder: &Path) -> Result<Results> {
     })
 }
 
-/// Device and timing mode of the runs, which have them, the version and the shaders in common.
+/// Device and timing mode of the runs, which must agree in these, in version and in shaders.
 fn origin(folder: &Path, records: &BTreeMap<&str, Value>) -> Result<Option<(Device, String)>> {
     let mut found: Option<(&str, [&Value; 4])> = None;
     for (key, record) in records {
@@ -156,11 +156,11 @@ struct Source<'t> {
     plan: &'t Plan,
     folder: &'t Path,
     records: BTreeMap<&'t str, Value>,
-    /// Comparisons made, since several figures come from each.
+    /// Comparisons made so far, since several figures come from each.
     compared: BTreeMap<(PathBuf, PathBuf, String), Measures>,
 }
 
-/// A value, or why there is none.
+/// A value, or the reason for its lack.
 type Found = std::result::Result<f64, String>;
 
 impl Source<'_> {
@@ -260,7 +260,7 @@ fn timed<'v>(timings: &'v Value, of: &str) -> Option<&'v Value> {
     list.as_array()?.iter().find(|row| row["name"] == of)
 }
 
-/// What a line of `timings.csv` begins with.
+/// The first columns of a line of `timings.csv`.
 #[derive(Deserialize)]
 struct TimingRow {
     frame: u32,
@@ -269,7 +269,7 @@ struct TimingRow {
     ms: f64,
 }
 
-/// Stages and passes of a run (`gather+filter`) added up frame by frame, or the one that the frame does not have.
+/// Statistics of stages and passes (`gather+filter`) summed frame by frame; or the first of them that the run lacks.
 fn sum_of_times(path: &Path, of: &str) -> Result<std::result::Result<Statistics, String>> {
     let parts: Vec<&str> = of.split('+').collect();
     let mut seen = vec![false; parts.len()];

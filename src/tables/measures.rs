@@ -1,4 +1,4 @@
-//! What cells measure, as a table's file says it.
+//! Reading the measures of cells from a table's file.
 
 use super::nodes::{section, text_of};
 use super::{Against, Figure, Measure, Place, Table, What};
@@ -8,7 +8,7 @@ use crate::config::tree::{Node, Origin, Value, join, quoted};
 use crate::metrics::{Intensity, LayerPair};
 use anyhow::Result;
 
-/// What measures may name.
+/// Names that measures may refer to.
 pub struct Names<'s> {
     pub rows: Vec<String>,
     pub columns: Vec<String>,
@@ -56,7 +56,7 @@ pub fn measure(node: &Node, path: &str, names: &Names) -> Result<Measure> {
     Ok(Measure { what, origin: node.origin.clone() })
 }
 
-/// The value of a measure that is a name alone.
+/// The value of a measure that is only a name.
 fn only_text(node: &Node, path: &str, key: &str) -> Result<String> {
     let tree = section(node, path, &[key])?;
     text_of(&tree[key], &join(path, key)).map(str::to_owned)
@@ -113,7 +113,7 @@ pub fn place(node: &Node, path: &str, names: &Names) -> Result<Place> {
     Ok(Place { row: number("row", &names.rows)?, column: number("column", &names.columns)? })
 }
 
-/// A stage is known by its name; a pass only to the frame that has it.
+/// Checks the stage of a timed name. Passes are only known to a described frame.
 fn check_timed(of: &str, stages: &[&str], origin: &Origin, path: &str) -> Result<()> {
     let stages = [stages, &["frame"]].concat();
     let stage = of.split('/').next().unwrap_or(of);
@@ -125,7 +125,7 @@ fn check_timed(of: &str, stages: &[&str], origin: &Origin, path: &str) -> Result
     Err(error(origin, path, format_args!("there is no stage {}; {hint}", quoted(stage))))
 }
 
-/// Every cell measures something, and no ratio is one of itself.
+/// Checks that every cell has exactly one measure, and that no ratio refers to itself.
 pub fn check_measures(table: &Table) -> Result<()> {
     for (row, column) in table.places() {
         let (of_row, of_column) = (&table.rows[row], &table.columns[column]);
@@ -143,7 +143,7 @@ pub fn check_measures(table: &Table) -> Result<()> {
             ));
         }
     }
-    // Ratios are settled once the cells that they are of are.
+    // A ratio is settled when both of its cells are.
     let mut settled = vec![vec![false; table.columns.len()]; table.rows.len()];
     loop {
         let is_ready = |(row, column): &(usize, usize)| match &table.measure(*row, *column).what {

@@ -1,8 +1,8 @@
-//! Tables: sweeps over configs, measured cell by cell, beside the figures that a paper publishes.
+//! Tables: sweeps over configs, measured cell by cell, beside a paper's published figures.
 //!
-//! A table is a TOML file ([`read`]). Every cell's config is the table's base with what the table, the cell's row and its column
-//! set; cells of the same config share one run ([`plan`]). A run leaves in its folder what `manylight render` leaves, and the
-//! cells are worked out from these folders alone ([`cells`]), so that a sweep can be stopped, resumed, and split over machines.
+//! A table is a TOML file ([`read`]). A cell's config is the table's base with the settings of the table, the row and the
+//! column. Cells with the same config share one run ([`plan`]). A run's folder has the same files as one of `manylight render`.
+//! Cells are computed from these folders alone ([`cells`]), so that a sweep can be stopped, resumed, and split over machines.
 
 pub mod cells;
 pub mod folders;
@@ -22,65 +22,65 @@ use crate::metrics::{Intensity, LayerPair};
 #[cfg(test)]
 mod tests;
 
-/// A table as its file says it. Every row has as many cells as there are columns.
+/// A table as read from its file. Every row has a cell for each column.
 pub struct Table {
-    /// Of the file, without its ending.
+    /// Name of the file without its ending.
     pub name: String,
     pub title: String,
-    /// Paper and table that it reproduces.
+    /// Paper, and table in it, that this one reproduces.
     pub source: Option<String>,
     pub about: Option<String>,
-    /// What a reader must know of where this departs from the paper, or of how far to trust it.
+    /// Notes for readers: departures from the paper, and limits of the figures.
     pub deviations: Vec<String>,
     pub published: Option<Published>,
     pub reference: ReferenceGoal,
-    /// Whether the cells' pictures are put side by side, in `sheet.png`.
+    /// Whether the cells' pictures are put side by side in `sheet.png`.
     pub sheet: bool,
     pub rows: Vec<Line>,
     pub columns: Vec<Line>,
-    /// What cells measure where neither row nor column says.
+    /// Measure of cells whose row and column have none.
     measure: Option<Measure>,
-    /// Time cells are also given as ratios to this one.
+    /// Cell whose time other times are also divided by.
     relative_to: Option<Place>,
     base: crate::config::Base,
     set: Option<Node>,
-    /// The scene that the base's stands for, where it is to be had.
+    /// The scene that the base's replaces, if its file is available.
     original: Option<Node>,
 }
 
 /// A row or a column.
 pub struct Line {
     pub name: String,
-    /// A part of a config that its cells lay over the table's.
+    /// Settings of its cells, over the table's.
     set: Option<Node>,
     measure: Option<Measure>,
-    /// Not in the paper.
+    /// Whether it is our own, and not in the paper.
     pub own: bool,
     origin: Origin,
 }
 
-/// What a paper published.
+/// A paper's published figures and their setup.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Published {
     pub hardware: Option<String>,
     pub scene: Option<String>,
     pub settings: Option<String>,
-    /// Row by row; `None` where the paper has no figure.
+    /// Figures row by row; `None` if the paper has none.
     pub figures: Vec<Vec<Option<f64>>>,
 }
 
-/// How good the truth must be that errors are measured against.
+/// Quality of the reference that errors are measured against.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReferenceGoal {
     /// Bounces of indirect light.
     pub bounces: u32,
-    /// Relative standard error at which it is good enough.
+    /// Relative standard error to reach.
     pub error: f64,
-    /// Paths a pixel at most.
+    /// Paths per pixel at most.
     pub samples: u32,
-    /// Bounded at short distances as VPLs are, by `gather.min_distance`.
+    /// Whether light of near surfaces is clamped by `gather.min_distance`, as for VPLs.
     pub min_distance: bool,
-    /// Through the pixels' centres alone, as the rasterizer sees.
+    /// Whether paths go through pixel centres only, as in rasterization.
     pub centers: bool,
 }
 
@@ -90,7 +90,7 @@ impl Default for ReferenceGoal {
     }
 }
 
-/// What a cell says.
+/// The measure of a cell.
 #[derive(Debug, Clone)]
 pub struct Measure {
     pub what: What,
@@ -99,17 +99,17 @@ pub struct Measure {
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum What {
-    /// Median milliseconds of a stage, of a pass, of several added up (`gather+filter`), or of the whole frame (`frame`).
+    /// Median time of a stage, of a pass, of several summed (`gather+filter`), or of the whole frame (`frame`), ms.
     Time { of: String },
-    /// Of two other cells' values.
+    /// Ratio of two other cells' values.
     Ratio { of: Place, over: Place },
-    /// How far a layer is from the truth or from another cell's.
+    /// Error of a layer against the reference or another cell's layer.
     Error { figure: Figure, layer: LayerPair, against: Against },
-    /// How much a layer flickers over the config's frames: the temporal image difference.
+    /// Flicker of a layer over the config's frames: the temporal image difference.
     Flicker { layer: Intensity },
-    /// What a pass counted in the last frame.
+    /// A pass's count in the last frame.
     Count { of: String },
-    /// Bytes of the frame's own resources: of a stage, of a resource, or of all (`frame`).
+    /// Bytes of the frame's own resources: of a stage, of one resource, or of all (`frame`).
     Memory { of: String },
 }
 
@@ -138,7 +138,7 @@ pub enum Against {
     Cell(Place),
 }
 
-/// A cell of the same table, by the names' numbers; what is absent is the asking cell's own.
+/// A cell of the same table, by indices. An absent row or column is the referring cell's own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
     pub row: Option<usize>,
@@ -146,14 +146,14 @@ pub struct Place {
 }
 
 impl Place {
-    /// The cell that it means to one that asks.
+    /// The cell meant by a reference in the cell at `row` and `column`.
     pub fn from(self, row: usize, column: usize) -> (usize, usize) {
         (self.row.unwrap_or(row), self.column.unwrap_or(column))
     }
 }
 
 impl Table {
-    /// What a cell measures.
+    /// The measure of a cell: its column's, its row's or the table's.
     pub fn measure(&self, row: usize, column: usize) -> &Measure {
         let own = self.columns[column].measure.as_ref().or(self.rows[row].measure.as_ref());
         own.or(self.measure.as_ref()).unwrap_or_else(|| unreachable!("a table without a measure for a cell is refused"))
@@ -167,7 +167,7 @@ impl Table {
 }
 
 impl What {
-    /// As a reader is told: `time of gather`.
+    /// The measure in words: `time of gather`.
     pub fn label(&self) -> String {
         match self {
             Self::Time { of } => format!("time of {of}"),

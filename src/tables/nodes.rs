@@ -1,11 +1,11 @@
-//! Entries of a table's file, read by what they must be. Every mistake is refused by file, line and key.
+//! Typed entries of a table's file. Every mistake is refused with file, line and key.
 
 use crate::config::check::error;
 use crate::config::nearest;
 use crate::config::tree::{Node, Table as Tree, Value, join};
 use anyhow::Result;
 
-/// A table's entries, none of them but those known.
+/// Entries of a TOML table; unknown keys are refused.
 pub fn section<'n>(node: &'n Node, path: &str, known: &[&str]) -> Result<&'n Tree> {
     let Value::Table(tree) = &node.value else {
         return Err(error(&node.origin, path, format_args!("expects a table, found {}", node.found())));

@@ -1,4 +1,4 @@
-//! Which runs a table takes, and which cell is of which.
+//! Planning of a table: its distinct runs, and the run of each cell.
 
 use super::{Against, Table, What};
 use crate::config::check::error;
@@ -8,14 +8,14 @@ use crate::metrics::Intensity;
 use anyhow::{Context, Result};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a user changes of a whole table, all of it stated in what comes out.
+/// A user's changes to a whole table. The results record them all.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sweep {
-    /// Multiplies both sides of every picture.
+    /// Factor on both sides of every picture.
     pub scale: f64,
-    /// Few frames each.
+    /// Whether runs have few frames.
     pub quick: bool,
-    /// `--set` options, laid over every cell.
+    /// `--set` options, applied to every cell.
     pub sets: Vec<String>,
 }
 
@@ -25,29 +25,29 @@ impl Default for Sweep {
     }
 }
 
-/// Frames of a quick run, and of a quick walk.
+/// Frames of a quick run, and of a quick camera path.
 const QUICK: u32 = 3;
 const QUICK_WALK: u32 = 6;
 
-/// A config that is rendered once for all cells that have it.
+/// A config, rendered once for all cells that share it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// Its folder's name: a hash of the config, in which a scene's file stands without its folders, so that it is the same on all
+    /// Name of its folder: a hash of the config, with the scene's file name but not its folder, so that it is the same on all
     /// machines.
     pub key: String,
-    /// The row and column that it is first for, as far as they set something.
+    /// Its first cell's row and column, as far as rows or columns have settings.
     pub label: String,
     pub config: Config,
     /// The keys that differ from run to run, as TOML.
     pub set: BTreeMap<String, String>,
-    /// Layers whose flicker over all frames is wanted.
+    /// Layers whose flicker over all frames is measured.
     pub walks: BTreeMap<&'static str, Intensity>,
-    /// Whether something is measured against the truth.
+    /// Whether any error is measured against the reference.
     pub needs_reference: bool,
 }
 
 impl Run {
-    /// The folder's name of the truth for this run.
+    /// Folder name of the reference for this run.
     pub fn reference_key(&self, table: &Table) -> String {
         let mut config = Config { camera: self.config.camera.clone(), light: self.config.light.clone(), ..Config::default() };
         config.scene = self.config.scene.clone();
@@ -56,25 +56,25 @@ impl Run {
             (self.config.frame.size, self.config.frame.count, self.config.frame.fps);
         config.frame.seed = self.config.frame.seed;
         let goal = table.reference;
-        // The bound is the one thing of the pipeline that a bounded truth depends on.
+        // `gather.min_distance` is the only key of the methods that a clamped reference depends on.
         config.gather.min_distance = if goal.min_distance { self.config.gather.min_distance } else { 0.0 };
         hash(&format!("{goal:?} {}", portable(&config)))
     }
 }
 
-/// See the module's page.
+/// The distinct runs of a table, and the run of each cell.
 pub struct Plan {
     pub runs: Vec<Run>,
-    /// Row by row: each cell's run, where it needs one.
+    /// Index of each cell's run, row by row; meaningless for a cell that needs none.
     of_cell: Vec<Vec<usize>>,
     pub sweep: Sweep,
 }
 
 impl Plan {
-    /// Works all cells' configs out and checks them.
+    /// Computes and checks all cells' configs.
     ///
     /// # Errors
-    /// `BadInput` with file, line and key where a cell's config is wrong.
+    /// `BadInput` with file, line and key for a cell's bad config.
     pub fn of(table: &Table, sweep: &Sweep) -> Result<Self> {
         let mut all: Vec<Run> = Vec::new();
         let mut of_cell = vec![vec![0; table.columns.len()]; table.rows.len()];
@@ -128,28 +128,28 @@ impl Plan {
         Ok(Self { runs, of_cell, sweep: sweep.clone() })
     }
 
-    /// The run of a cell that is no ratio, or that another cell is measured against.
+    /// The run of a cell. The cell must not be a ratio, unless another cell is measured against it.
     pub fn run(&self, row: usize, column: usize) -> &Run {
         &self.runs[self.of_cell[row][column]]
     }
 }
 
-/// What the frames of a table's runs have between them.
+/// All names in the frames of a table's runs.
 #[derive(Debug, Default)]
 pub struct Names {
     pub passes: BTreeSet<String>,
-    /// Resources of the frame, what passes count among them.
+    /// Resources of the frames, including the counts of passes.
     pub resources: BTreeSet<String>,
 }
 
-/// What a record counts beside what passes count.
+/// Counts that a record has beside those of passes.
 const COUNTED: [&str; 3] = ["scene/triangles", "vpls/count", "device/memory-bytes"];
 
 impl Names {
-    /// Refuses measures of what no frame of the table has.
+    /// Refuses measures of names that no frame of the table has.
     ///
     /// # Errors
-    /// `BadInput` with file, line and what there is.
+    /// `BadInput` with file, line and the known names.
     pub fn check(&self, table: &Table) -> Result<()> {
         let stages =
             |names: &BTreeSet<String>| names.iter().filter_map(|name| name.split('/').next()).map(str::to_owned).collect::<BTreeSet<_>>();
@@ -188,14 +188,14 @@ fn hash(text: &str) -> String {
     blake3::hash(text.as_bytes()).to_hex()[..12].to_owned()
 }
 
-/// A config as text that is the same wherever the scene's file lies.
+/// A config as text, independent of the folder of the scene's file.
 fn portable(config: &Config) -> String {
     let mut config = config.clone();
     config.scene.file = config.scene.file.as_ref().and_then(|file| file.file_name()).map(Into::into);
     to_toml(&config)
 }
 
-/// Says of each run by which keys it differs from others.
+/// Sets each run's `set`, the keys in which runs differ.
 fn tell_apart(runs: &mut [Run]) {
     let all: Vec<BTreeMap<String, String>> = runs.iter().map(|run| flat(&run.config)).collect();
     let keys: BTreeSet<&String> = all.iter().flat_map(BTreeMap::keys).collect();
@@ -206,7 +206,7 @@ fn tell_apart(runs: &mut [Run]) {
     }
 }
 
-/// Every key with its value as TOML; lists are values.
+/// Dotted keys and their values as TOML; lists are values.
 fn flat(config: &Config) -> BTreeMap<String, String> {
     fn walk(path: &str, value: &toml::Value, into: &mut BTreeMap<String, String>) {
         match value {

@@ -1,10 +1,10 @@
-//! A table for people (text, Markdown) and for other programs (CSV).
+//! Output of tables as text, Markdown and CSV.
 
 use super::cells::{Cell, Results};
 use anyhow::{Context, Result};
 use std::fmt::Write;
 
-/// As text, for a terminal.
+/// The table as text for a terminal.
 pub fn text(results: &Results) -> String {
     let rows = lines(results);
     let columns = results.columns.len() + 1;
@@ -24,7 +24,7 @@ pub fn text(results: &Results) -> String {
     text
 }
 
-/// As Markdown, with a heading.
+/// The table as Markdown, with a heading.
 pub fn markdown(results: &Results) -> String {
     let escape = |text: &str| text.replace('|', "\\|").replace('\n', " ");
     let mut text = format!("### {}\n\n", escape(&heading(results)));
@@ -44,7 +44,7 @@ pub fn markdown(results: &Results) -> String {
     text
 }
 
-/// One line a cell, figures in full.
+/// The table as CSV, one cell per line, figures in full precision.
 pub fn csv(results: &Results) -> Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let put =
@@ -96,7 +96,7 @@ fn heading(results: &Results) -> String {
     }
 }
 
-/// Names and cells, row by row, the heads first.
+/// Names and cells, row by row; the first row holds the columns' names.
 fn lines(results: &Results) -> Vec<Vec<String>> {
     let mut lines = vec![std::iter::once(String::new()).chain(results.columns.iter().cloned()).collect::<Vec<_>>()];
     for (name, cells) in results.rows.iter().zip(&results.cells) {
@@ -106,13 +106,13 @@ fn lines(results: &Results) -> Vec<Vec<String>> {
 }
 
 impl Results {
-    /// Whether the times are a software driver's, beside which a paper's have no place.
+    /// Whether times are a software driver's, which cannot be compared with a paper's.
     pub fn is_cpu(&self) -> bool {
         self.device.as_ref().is_some_and(|device| device.kind == "cpu")
     }
 }
 
-/// A cell with the paper's figure beside it, where the two can be held against each other.
+/// A cell with the paper's figure, if the two can be compared.
 fn shown(cell: &Cell, is_cpu: bool) -> String {
     let Some(value) = cell.value else { return "-".to_owned() };
     let mut text = figure(value, cell.unit);
@@ -128,7 +128,7 @@ fn shown(cell: &Cell, is_cpu: bool) -> String {
     text
 }
 
-/// Three digits or one after the point, and the unit.
+/// A figure of three digits, at least one after the point, with its unit.
 fn figure(value: f64, unit: &str) -> String {
     if unit == "bytes" {
         return format!("{} MB", digits(value / 1e6));
@@ -152,7 +152,7 @@ fn digits(value: f64) -> String {
     format!("{value:.*}", decimals as usize)
 }
 
-/// Where the figures come from, and what a reader must know.
+/// Provenance of the figures, and notes for readers.
 fn notes(results: &Results) -> Vec<String> {
     let mut notes = Vec::new();
     match &results.device {

@@ -1,4 +1,4 @@
-//! From a TOML file to a [`Table`]. Every mistake is refused by file, line and key before anything is rendered.
+//! Reading a [`Table`] from TOML. Every mistake is refused with file, line and key before anything is rendered.
 
 use super::measures::{self, Names, check_measures, place};
 use super::nodes::{items, optional_text, section, text_of, texts};
@@ -10,12 +10,13 @@ use crate::presets;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 
-/// Reads a table that would be at `path`, which relative bases and scenes start from. What stands for a scene is replaced by it where the
-/// folder `scenes` has its file; the deviations say which did not. Times are of `stages`, of their passes or of the frame.
+/// Reads a table whose file is `path`; relative bases and scenes start from there. A stand-in scene is replaced by its original
+/// if the folder `scenes` has the file. The deviations name the stand-ins that stay. Times may be of `stages`, of their passes
+/// or of the frame.
 ///
 /// # Errors
-/// `BadInput` with file, line and key: unknown keys, presets and measures; cells without a measure; rows, columns and figures that
-/// do not fit each other.
+/// `BadInput` with file, line and key: unknown keys, presets and measures; cells without a measure; rows, columns and figures
+/// that do not match.
 pub fn table(text: &str, path: &Path, scenes: Option<&Path>, stages: &[&str]) -> Result<Table> {
     let root = document(text, path)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -95,7 +96,7 @@ pub fn table(text: &str, path: &Path, scenes: Option<&Path>, stages: &[&str]) ->
     Ok(table)
 }
 
-/// A part of a config; whether its keys are right is seen when it is laid over the base.
+/// Part of a config. Its keys are checked when it is merged with the base.
 fn partial(node: &Node, path: &str) -> Result<Node> {
     match &node.value {
         Value::Table(tree) if tree.contains_key("base") => {
@@ -106,7 +107,7 @@ fn partial(node: &Node, path: &str) -> Result<Node> {
     }
 }
 
-/// A preset by its name, or a config by its path from the table's folder.
+/// The base: a preset by name, or a config by its path from the table's folder.
 fn base(tree: &Tree, origin: &Origin, path: &Path) -> Result<Base> {
     let Some(node) = tree.get("base") else {
         return Err(error(origin, "base", "is missing; name a preset or a config that the cells start from"));
@@ -126,7 +127,7 @@ fn base(tree: &Tree, origin: &Origin, path: &Path) -> Result<Base> {
     loaded.map_err(|cause| error(&node.origin, "base", cause))
 }
 
-/// The rows or the columns, each with what it measures, which can only be read once all names are known.
+/// The rows or the columns, each with its measure's node, which can only be read when all names are known.
 fn lines<'n>(
     tree: &'n Tree,
     key: &str,
@@ -168,7 +169,7 @@ fn lines<'n>(
     Ok(lines)
 }
 
-/// The view that something stands for, as its name and what it sets; or else, where its scene is not in the folder, a sentence that says so.
+/// The view that a stand-in replaces, as its title and settings; or a sentence for the user if the folder lacks its scene.
 fn original(node: &Node, path: &str, stand_in: &str, scenes: Option<&Path>) -> Result<Result<(String, Node), String>> {
     let name = text_of(node, path)?;
     let views = presets::views();
@@ -178,7 +179,7 @@ fn original(node: &Node, path: &str, stand_in: &str, scenes: Option<&Path>) -> R
             nearest(name, &names).map_or_else(|| format!("views are {}", names.join(", ")), |near| format!("did you mean \"{near}\"?"));
         return Err(error(&node.origin, path, format_args!("there is no view {}; {hint}", quoted(name))));
     };
-    // As if it lay in the folder, where its scene is.
+    // The view is read as if it were in the folder, beside its scene.
     let view = document(text, &scenes.unwrap_or(Path::new("")).join(name).with_extension("toml"))?;
     let file = match &view.value {
         Value::Table(tree) => match tree.get("scene").map(|scene| &scene.value) {

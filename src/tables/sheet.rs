@@ -7,13 +7,13 @@ use crate::output::{read_png, write_png};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 
-/// Pixels between two pictures.
+/// Gap between two pictures, pixels.
 const GAP: usize = 4;
 
-/// Writes `sheet.png`, a picture where each cell of the table is, where all runs are there. Returns its path.
+/// Writes `sheet.png`, with a picture at the place of each cell, if all runs are done. Returns its path.
 ///
 /// # Errors
-/// `BadInput` where a picture cannot be read or is of another size than the first, `OutputNotWritten` where the sheet cannot be written.
+/// `BadInput` for a picture that cannot be read or differs in size from the first, `OutputNotWritten` for the sheet.
 pub fn write(table: &Table, plan: &Plan, folder: &Path) -> Result<Option<PathBuf>> {
     if !table.places().all(|(row, column)| is_done(folder, plan.run(row, column))) {
         return Ok(None);

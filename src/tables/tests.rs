@@ -1,4 +1,4 @@
-//! Tables read and planned, and the mistakes that are refused.
+//! Tests of reading and planning tables, and of refused mistakes.
 
 use super::cells;
 use super::folders::{self, reference_folder, run_folder};
@@ -86,7 +86,7 @@ fn a_sweep_is_scaled_shortened_and_changed_as_a_whole() {
     assert!(plan.runs.iter().all(|run| whole.runs.iter().all(|other| other.key != run.key)), "other configs have other folders");
 }
 
-/// As a render would leave it, without its pictures.
+/// Writes a run as a render would, without pictures.
 fn leave(folder: &Path, plan: &Plan, run: usize, gather: f64, kind: &str) {
     let own = run_folder(folder, &plan.runs[run]);
     std::fs::create_dir_all(&own).unwrap();
@@ -225,7 +225,7 @@ fn mistakes_are_refused_by_file_line_and_key() {
         );
         assert!(error.contains(expected), "{to}: {error}");
     }
-    // What a cell sets is checked with its base, before anything is rendered.
+    // A cell's settings are checked with its base, before anything is rendered.
     let cells = [
         (
             "gather = { interleave = 4 }",

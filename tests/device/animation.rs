@@ -1,4 +1,4 @@
-//! A scene that moves: each of its frames is the picture of a still scene in which all stands where it has come to.
+//! Animated scenes: each frame is the picture of a still scene with everything at its place.
 
 use crate::common::*;
 use crate::make::{Make, push};
@@ -10,15 +10,15 @@ use manylight::scene::Scene;
 use serde_json::{Value, json};
 use std::f32::consts::FRAC_1_SQRT_2;
 
-/// Turns: none, and a quarter about +Y.
+/// Rotations: none, and a quarter turn about +Y.
 const NONE: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 const QUARTER: [f32; 4] = [0.0, FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2];
 
-/// Frame, place of the arm, its turn, height of the plate on it, way of the light and the camera.
+/// Frame, place of the arm, its rotation, height of the plate on it, shift of the light and the camera.
 type Moment = (u32, [f32; 3], [f32; 4], f32, f32);
 
-/// Frames of half a second, and where all is in them: what [`room_in_motion`] says by keys, worked out by hand. After 2 s it begins
-/// again.
+/// Frames of half a second, and the places in them: those of the keys in [`room_in_motion`], worked out by hand. The animation
+/// repeats after 2 s.
 const FPS: f32 = 2.0;
 const FRAMES: [Moment; 5] = [
     (0, [-0.5, 0.0, 0.0], NONE, 1.0, 0.0),
@@ -28,7 +28,8 @@ const FRAMES: [Moment; 5] = [
     (5, [-0.25, 0.0, 0.5], NONE, 1.25, 0.125),
 ];
 
-/// A room of four metres, an arm that carries a plate and a glowing one, a spot light and a camera; the numbers are [`FRAMES`]'s.
+/// A room of four metres, an arm that carries a plate and a glowing plate, a spot light and a camera; the numbers are those of
+/// [`FRAMES`].
 fn nodes(arm: [f32; 3], turn: [f32; 4], height: f32, way: f32) -> Value {
     let h = FRAC_1_SQRT_2;
     let wall = |at: [f32; 3], turn: [f32; 4]| json!({"mesh": 0, "translation": at, "rotation": turn, "scale": [4, 4, 1]});
@@ -71,7 +72,7 @@ fn room_with(nodes: Value) -> Make {
     make
 }
 
-/// The room with its keys.
+/// The room with its keyframes.
 fn room_in_motion() -> Scene {
     let (_, arm, turn, height, way) = FRAMES[0];
     let mut make = room_with(nodes(arm, turn, height, way));
@@ -83,7 +84,7 @@ fn room_in_motion() -> Scene {
     make.scene()
 }
 
-/// The rooms in which nothing moves, by frame.
+/// Rooms in which nothing moves, one for each frame.
 fn still_rooms() -> impl Iterator<Item = (u32, Scene)> {
     FRAMES.into_iter().map(|(frame, arm, turn, height, way)| (frame, room_with(nodes(arm, turn, height, way)).scene()))
 }
@@ -102,7 +103,7 @@ fn shot(renderer: &mut Renderer, config: &Config, frame: u32) -> Picture {
     render(renderer, config, frame).picture.unwrap()
 }
 
-/// All that a picture has, as bits.
+/// All numbers of a picture, as bits.
 fn bits(picture: &Picture) -> Vec<u32> {
     let planes = [&picture.radiance, &picture.direct, &picture.indirect, &picture.irradiance, &picture.albedo, &picture.normal];
     let planes = planes.into_iter().chain([&picture.depth]).flat_map(|plane| plane.values.iter().map(|value| value.to_bits()));
@@ -111,7 +112,7 @@ fn bits(picture: &Picture) -> Vec<u32> {
 
 fn compare(config: &Config, make: fn(Scene) -> Renderer) {
     let mut moving = make(room_in_motion());
-    // In an order in which no frame can be what is left of the one before it.
+    // The order is such that no frame can be a leftover of the one before.
     let mut frames: Vec<(u32, Vec<u32>)> = [5, 2, 0, 3, 1].map(|frame| (frame, bits(&shot(&mut moving, config, frame)))).into();
     finish(moving.gpu());
     drop(moving);
@@ -145,7 +146,7 @@ fn the_truth_of_a_frame_is_that_of_a_still_scene() {
     let config = config();
     let settings = |frame_index| Settings { frame_index, ..bounces(2) };
     let mut moving = traced(room_in_motion());
-    // A rasterized frame in between takes nothing away from a tracer.
+    // A rasterized frame in between must not affect the tracer.
     let found = [5, 0, 2].map(|frame| {
         shot(&mut moving, &config, 3);
         (frame, reference(&mut moving, &config, settings(frame), 2).texels)
@@ -162,7 +163,7 @@ fn the_truth_of_a_frame_is_that_of_a_still_scene() {
     assert!(found[1].1 != found[2].1);
 }
 
-/// The device's memory does not grow by what rays needed in earlier frames.
+/// Device memory does not grow by the ray structures of earlier frames.
 #[test]
 fn what_rays_needed_before_is_given_back() {
     let mut config = config();
@@ -174,7 +175,7 @@ fn what_rays_needed_before_is_given_back() {
     };
     let first = in_use(0);
     for frame in 1..6 {
-        // What is drawn differs by a few arguments; an image of the hierarchy alone takes 64 KiB.
+        // Draws differ by a few arguments; one copy of the hierarchy alone takes 64 KiB.
         let now = in_use(frame);
         assert!(now.abs_diff(first) < 4096, "frame {frame}: {first} bytes, then {now}");
     }
@@ -190,7 +191,7 @@ fn all_frames_of_a_still_scene_are_equal() {
     finish(still.gpu());
 }
 
-/// What is seen from a camera of the config stays where the scene's bounds put its near plane, whatever moves.
+/// A config's camera keeps its near plane, which the scene's bounds set, whatever moves.
 #[test]
 fn the_view_does_not_tremble_with_what_moves() {
     let mut make = Make::square();
@@ -204,7 +205,7 @@ fn the_view_does_not_tremble_with_what_moves() {
     let (first, second) = (shot(&mut moving, &config, 0), shot(&mut moving, &config, 1));
     assert_eq!(first.view, second.view);
     assert!((first.view.diagonal - 51.0f32.hypot(1.0)).abs() < 1e-2, "{}", first.view.diagonal);
-    // It has come 25 metres of the way and is out of the picture; where it was, the other square is.
+    // The moving square has gone 25 metres and is out of the picture; the other square is at its old place.
     assert!(first.image == second.image && first.radiance.values.iter().any(|value| *value > 0.0));
     finish(moving.gpu());
 }

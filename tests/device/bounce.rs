@@ -1,4 +1,4 @@
-//! Light that goes on: clusters of VPLs, the maps of what they see, and the VPLs of the next bounce.
+//! Further bounces: clusters of VPLs, the maps seen from them, and the VPLs of the next bounce.
 
 use crate::common::*;
 use bytemuck::pod_collect_to_vec;
@@ -26,7 +26,7 @@ fn lamp() -> LightConfig {
     spot(Vec3::new(1.8, 2.6, 2.2), Vec3::new(0.2, -1.0, 0.1), [20.0, 15.0, 10.0], 25.0, 55.0)
 }
 
-/// A closed box of one colour, and two bounces in it.
+/// A closed box of one colour, with two bounces.
 fn closed_box(albedo: DVec3) -> (Scene, Config) {
     let mut config = plain([64, 64], Vec3::new(3.6, 1.7, 4.6), Vec3::new(1.0, 1.2, 0.5), 95.0, lamp());
     config.rsm.size = [128, 128];
@@ -37,7 +37,7 @@ fn closed_box(albedo: DVec3) -> (Scene, Config) {
     (split_room(&walls(SIZE, [albedo; 6])), config)
 }
 
-/// Maps bend the edges of walls as large as the room.
+/// A room with split triangles: maps bend the edges of walls as large as the room.
 fn split_room(walls: &[Wall]) -> Scene {
     let mut scene = room(walls);
     scene.split_triangles(0.02);
@@ -93,7 +93,7 @@ fn samples_over_the_disk_waste_nothing_and_those_over_the_box_its_corners() {
         (count(&rendered, "bounce/wasted"), count(&rendered, "bounce/lit"))
     };
     let (wasted_of_disk, lit_of_disk) = wasted(Pattern::Disk);
-    // A sample may meet the rim, of whose texels half is empty.
+    // A sample may hit a texel at the rim, half of which is empty.
     assert!(wasted_of_disk == 0 && lit_of_disk >= 1016, "{wasted_of_disk} of 1024 wasted, {lit_of_disk} lit");
     let (wasted, lit) = wasted(Pattern::Box);
     assert!((1016..=1024).contains(&(wasted + lit)), "{wasted} of 1024 wasted, {lit} lit");
@@ -136,7 +136,7 @@ fn two_bounces_in_an_empty_box_are_the_path_tracers() {
     let rendered = dump(&mut renderer, &config, 0, &[]);
     let picture = rendered.picture.unwrap();
     let found: Vec<[f32; 4]> = (0..sums.pixels()).map(|i| picture.indirect.at(i)).collect();
-    // VPLs shine without bound on what is near them.
+    // Pixels near walls are left out: VPLs are unbounded on near surfaces.
     let positions = picture.positions();
     let away = |i: usize| {
         let x = positions[i].as_dvec3();
@@ -205,7 +205,7 @@ fn every_vpl_is_in_the_cluster_nearest_to_it() {
             }
         }
         let all = lit.iter().filter(|lit| **lit).count();
-        // As many clusters as there are places for.
+        // All clusters are in use, or as many as there are lit VPLs.
         let used = members.iter().filter(|m| !m.is_empty()).count();
         assert_eq!(used, clusters.len().min(all), "clusters without VPLs");
         let means: Vec<Option<(DVec3, DVec3)>> = members
@@ -242,7 +242,7 @@ fn every_vpl_is_in_the_cluster_nearest_to_it() {
     finish(renderer.gpu());
 }
 
-/// Distances, normals and albedos of all maps, as numbers.
+/// Distances, normals and albedos of all maps, decoded.
 fn maps(rendered: &Rendered) -> (Vec<f32>, Vec<Vec3>, Vec<u8>) {
     let normals = dumped(rendered, "bounce/normals").chunks_exact(4).map(|t| {
         let part = |a, b| (f32::from(i16::from_ne_bytes([a, b])) / 32767.0).max(-1.0);
@@ -251,7 +251,7 @@ fn maps(rendered: &Rendered) -> (Vec<f32>, Vec<Vec3>, Vec<u8>) {
     (pod_collect_to_vec(dumped(rendered, "bounce/distances")), normals.collect(), dumped(rendered, "bounce/albedos").to_vec())
 }
 
-/// Ways to fill the maps of eleven clusters, and the pass that ends it.
+/// Ways to fill the maps of eleven clusters, and the last pass of each.
 const DRAWS: [(Layers, &str); 3] =
     [(Layers::Instanced, "bounce/draw"), (Layers::GeometryShader, "bounce/draw"), (Layers::PerLayer, "bounce/draw-11")];
 
@@ -261,7 +261,7 @@ fn maps_are_the_same_however_their_layers_are_filled() {
     let mut config = Config { scene: scene.clone(), ..Config::default() };
     config.frame.size = [96, 54];
     config.bounce.count = 2;
-    // Not a multiple of what an instance of the geometry shader takes.
+    // 11 is no multiple of the layers per instance of the geometry shader.
     config.bounce.clusters = 11;
     config.bounce.map_size = 64;
     let mut renderer = renderer(load_scene(&scene).unwrap().0);
@@ -282,7 +282,7 @@ fn maps_are_the_same_however_their_layers_are_filled() {
     finish(renderer.gpu());
 }
 
-/// The inside of a box, seen from one cluster.
+/// The inside of a box, seen from three clusters.
 #[test]
 fn maps_hold_the_distances_normals_and_colours_that_rays_find() {
     let albedos = [0.8, 0.1, 0.6, 0.9, 0.3, 0.5].map(DVec3::splat);
@@ -303,13 +303,13 @@ fn maps_hold_the_distances_normals_and_colours_that_rays_find() {
         let position = Vec3::from(cluster.position).as_dvec3();
         for t in 0..size * size {
             let p = (Vec2::new((t % size) as f32, (t / size) as f32) + 0.5) * (2.0 / size as f32) - 1.0;
-            // The rim's texels are half outside.
+            // Texels at the rim are half outside the map.
             if p.length() > 0.97 {
                 continue;
             }
             let local = Vec3::new(2.0 * p.x, 2.0 * p.y, 1.0 - p.length_squared()) / (1.0 + p.length_squared());
             let along = (axes[0] * local.x + axes[1] * local.y + axes[2] * local.z).as_dvec3();
-            // Behind it, a ray ends at the nearest wall that faces it.
+            // A ray ends at the nearest wall that faces it.
             let hit = |wall: &Wall| {
                 let toward = -along.dot(wall.normal);
                 (toward > 1e-6).then(|| (position - wall.corner).dot(wall.normal) / toward)
@@ -320,7 +320,7 @@ fn maps_hold_the_distances_normals_and_colours_that_rays_find() {
             all += 1;
             let color = f16(&colors[8 * texel..]);
             let same = normals[texel].as_dvec3().dot(walls[wall].normal) > 0.999 && (f64::from(color) - albedos[wall].x).abs() < 1e-3;
-            // In the corners, where the walls' pictures meet, a texel may show the other one.
+            // In corners, where two walls' images meet, a texel may show the other wall.
             if same {
                 worst = worst.max((found / expected - 1.0).abs());
             } else {
@@ -338,7 +338,7 @@ fn f16(bytes: &[u8]) -> f32 {
     half::f16::from_ne_bytes([bytes[0], bytes[1]]).to_f32()
 }
 
-/// A board that stands before a wall, whose picture in the map of a cluster on the wall has long, bent edges.
+/// A board before a wall, with long, bent edges in the map of a cluster on the wall.
 #[test]
 fn a_board_of_two_triangles_looks_as_one_of_many_once_it_is_split() {
     let board = |cells: u32| {
@@ -348,7 +348,7 @@ fn a_board_of_two_triangles_looks_as_one_of_many_once_it_is_split() {
             add_quad(scene, corners.map(Vec3::from), matte([0.5; 3]));
         };
         wall(&mut scene);
-        // A floor before the wall that begins a metre from it.
+        // The board is a floor that begins a metre before the wall.
         for i in 0..cells * cells {
             let (x, z) = (f64::from(i % cells), f64::from(i / cells));
             let at = |x: f64, z: f64| Vec3::new(-4.0 + 8.0 * (x / f64::from(cells)) as f32, 0.5, 1.0 + 8.0 * (z / f64::from(cells)) as f32);
@@ -373,7 +373,7 @@ fn a_board_of_two_triangles_looks_as_one_of_many_once_it_is_split() {
     let split = shown(split);
     let size = config.bounce.map_size as i32;
     let there = |map: &[f32], x: i32, y: i32| (0..size).contains(&x) && (0..size).contains(&y) && map[(y * size + x) as usize] < 1.0;
-    // Texels that one map shows and the other does not show within a texel.
+    // Number of texels covered in map `a` without a covered neighbour in map `b`.
     let beyond = |a: &[f32], b: &[f32]| {
         let missing = |i: i32| {
             let (x, y) = (i % size, i / size);
@@ -390,7 +390,7 @@ fn a_board_of_two_triangles_looks_as_one_of_many_once_it_is_split() {
     assert!(off < 0.002, "distances are off by {:.2} %", 100.0 * off);
 }
 
-/// As many clusters as VPLs: each sees by its own map.
+/// As many clusters as VPLs: each VPL has its own map.
 #[test]
 fn a_cluster_of_one_vpl_sees_what_rays_see() {
     let scene = SceneConfig { builtin: Some(Builtin::Cornell), split: Some(0.02), ..SceneConfig::default() };
@@ -440,7 +440,7 @@ fn a_still_scene_is_still_and_its_bytes_repeat() {
     for frame in 1..10 {
         let rendered = dump(&mut renderer, &config, frame, &[]);
         assert!(rendered.picture.as_ref().unwrap().radiance.values == first, "frame {frame} is another picture");
-        // Clusters are where they were: one round says so.
+        // Clusters stay where they were, and one round of k-means confirms it.
         assert_eq!(count(&rendered, "bounce/rounds"), 1, "frame {frame}");
     }
     let mut other = config.clone();
@@ -457,7 +457,7 @@ fn clusters_that_are_kept_flicker_less_than_ones_seeded_anew() {
     config.camera = walk.unwrap_or_else(|error| panic!("{error:#}")).camera;
     config.frame.count = 20;
     config.gather.emitters = Emitters::Disks;
-    // The pattern of interleaving flickers by itself, whatever clusters do.
+    // The pattern of interleaving would flicker whatever clusters do.
     config.gather.interleave = 1;
     let mut renderer = renderer(scene);
     let mut flicker = |centers| {
@@ -540,7 +540,7 @@ fn clusters_follow_moving_lights_of_every_kind() {
     finish(renderer.gpu());
 }
 
-/// Clusters of many VPLs: each is lit by what its cluster's place sees.
+/// Clusters of many VPLs: each is shadowed by the map of its representative.
 #[test]
 fn clusters_see_about_as_much_as_rays_do() {
     let scene = SceneConfig { builtin: Some(Builtin::Cornell), split: Some(0.02), ..SceneConfig::default() };
@@ -566,7 +566,7 @@ fn relmse(test: &[[f32; 4]], truth: &[[f32; 4]]) -> f64 {
     channels.map(|(t, r)| (t - r).powi(2) / (r * r + 0.01)).sum::<f64>() / (3 * truth.len()) as f64
 }
 
-/// The presets as they are, against two bounces of paths.
+/// The presets as they are, against two bounces of the path tracer.
 #[test]
 fn the_preset_is_nearer_to_two_bounces_than_one_bounce_of_linkes() {
     let sponza = |preset: &str| {
@@ -609,7 +609,8 @@ fn the_preset_is_nearer_to_two_bounces_than_one_bounce_of_linkes() {
     }
 }
 
-/// A court, 4 m wide and 6 m deep, in a roof of 20 m: all of the sun's light but a twenty-fifth falls on the roof, and on into the sky.
+/// A court, 4 m wide and 6 m deep, in a roof of 20 m: all but a twenty-fifth of the sun's light falls on the roof, and is
+/// reflected into the sky.
 fn court_in_a_roof(albedo: f64) -> (Scene, Config) {
     let wall = |corner: [f64; 3], u: [f64; 3], v: [f64; 3], normal: DVec3| {
         let (u, v) = (DVec3::from(u), DVec3::from(v));
@@ -652,7 +653,7 @@ fn importance_puts_vpls_into_the_court_and_keeps_their_light() {
     };
     let (even, _, _) = light(Importance::None, "vpls/hammersley");
     let (court, in_court, on_roof) = light(Importance::PassedFlux, "vpls/important");
-    // Irradiance times area, times albedo.
+    // Irradiance times area times albedo.
     let cosine = f64::from(Vec3::new(0.3, -1.0, 0.2).normalize().y.abs());
     let (expected_court, expected_roof) = (0.5 * 10.0 * cosine * 16.0, 0.5 * 10.0 * cosine * 384.0);
     println!(
@@ -688,7 +689,7 @@ fn importance_brings_the_pictures_sum_nearer_to_that_of_all_texels() {
     finish(renderer.gpu());
 }
 
-/// By place and normal the roof is near the court's floor, in the scene's scale.
+/// In the scene's scale, the roof is close to the court's floor by place and normal.
 #[test]
 fn a_roofs_light_does_not_go_on_from_the_courts_clusters() {
     let (scene, mut config) = court_in_a_roof(0.5);
@@ -700,7 +701,7 @@ fn a_roofs_light_does_not_go_on_from_the_courts_clusters() {
             config.frame.seed = seed;
             let rendered = dump(&mut renderer, &config, 0, &["bounce/sample"]);
             let passed = intensities(&rendered, "bounce/intensities").into_iter().map(|v| v.x * PI).sum::<f64>();
-            // Of what the court's surfaces reflect, they get a part again and reflect half of it.
+            // The court's surfaces receive a part of the light that they reflect, and reflect half of it.
             let part = passed / (0.5 * 0.5 * 10.0 * cosine * 16.0);
             println!("{clusters} clusters, seed {seed}: {part:.3} of what the court's first VPLs send out meets it again");
             assert!((0.5..1.0).contains(&part), "{clusters} clusters, seed {seed}: {part}");
@@ -733,13 +734,13 @@ fn what_lies_just_above_a_large_triangle_hides_it() {
         if p.length() > 0.97 || distances[t] >= 1.0 {
             continue;
         }
-        // The wall faces +z: the map's axes are the world's, but for the way that x and y run.
+        // The wall faces +z: the map's axes are the world's, up to the signs of x and y.
         let local = Vec3::new(2.0 * p.x, 2.0 * p.y, 1.0 - p.length_squared()) / (1.0 + p.length_squared());
         if local.y >= 0.0 {
             continue;
         }
         let hit = place + local * ((place.y - 0.02) / -local.y);
-        // Well inside the card.
+        // Points well inside the card.
         if hit.x.abs() < 0.9 && (3.1..4.9).contains(&hit.z) {
             if (f16(&colors[8 * t..]) - 0.9).abs() < 0.01 { card += 1 } else { other += 1 }
         }

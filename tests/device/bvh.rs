@@ -1,4 +1,4 @@
-//! Rays through the bounding volume hierarchy on the device, held against all triangles one by one.
+//! Rays through the bounding volume hierarchy on the device, against all triangles one by one.
 
 use crate::common::*;
 use glam::{DVec3, Vec3};
@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
-/// Origin and direction of a ray in, distance, triangle and weights of its hit out. Where the origin's fourth number is not 0,
-/// any hit before the direction's fourth.
+/// Rays in, as origin and direction; distance, triangle and weights of the hit out. If the origin's fourth number is not 0, any
+/// hit before the direction's fourth number counts.
 const SHADER: &str = "#version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -36,7 +36,7 @@ void main() {
 struct Ray {
     origin: Vec3,
     direction: Vec3,
-    /// Looks for any hit before this distance.
+    /// Distance before which any hit counts.
     any_before: Option<f32>,
 }
 
@@ -97,7 +97,7 @@ fn corners(bvh: &Bvh, triangle: usize) -> [DVec3; 3] {
     [0, 4, 8].map(|at| Vec3::new(f32::from_bits(record[at]), f32::from_bits(record[at + 1]), f32::from_bits(record[at + 2])).as_dvec3())
 }
 
-/// Distance to a triangle in 64 bits (Möller and Trumbore 1997).
+/// Distance to a triangle, in 64 bits (Möller and Trumbore 1997).
 fn meets([a, b, c]: &[DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
     let (ab, ac) = (*b - *a, *c - *a);
     let p = direction.cross(ac);
@@ -118,14 +118,14 @@ fn random(state: &mut u32) -> f32 {
     ((word >> 22) ^ word) as f32 / 4_294_967_296.0
 }
 
-/// From anywhere in the scene's bounds to anywhere.
+/// Rays from random points in the scene's bounds in random directions.
 fn random_rays(scene: &Scene, count: usize) -> Vec<Ray> {
     let bounds = scene.bounds();
     let mut state = 1;
     let mut anywhere = || Vec3::new(random(&mut state), random(&mut state), random(&mut state));
     let ray = |i: usize| {
         let mut direction = (anywhere() * 2.0 - 1.0) * if i.is_multiple_of(5) { 40.0 } else { 1.0 };
-        // Some along the axes, where a component is exactly 0.
+        // Some rays have components that are exactly 0.
         if i.is_multiple_of(17) {
             direction[i % 3] = 0.0;
         }
@@ -140,7 +140,7 @@ fn random_rays(scene: &Scene, count: usize) -> Vec<Ray> {
 fn compare(name: &str, scene: &Scene) {
     let bvh = Bvh::build(scene);
     let all = scene.triangle_count() as usize;
-    // The root of all triangles, and that of those that emit, which stand behind all.
+    // The root of all triangles, and the root of emitting triangles, which are stored last.
     if bvh.emitting.root == 0 {
         assert_eq!(bvh.triangles.len(), all, "{name}");
     } else {
@@ -155,7 +155,7 @@ fn compare_under(name: &str, scene: &Scene, bvh: &Bvh, root: u32, numbers: Range
     let triangles: Vec<[DVec3; 3]> = numbers.map(|i| corners(bvh, i)).collect();
     let mut rays = random_rays(scene, 10_000);
     if few {
-        // What is small is seldom hit by chance.
+        // Rays are aimed at triangles, since random rays seldom hit small ones.
         for (ray, [a, b, c]) in rays.iter_mut().zip(triangles.iter().cycle()) {
             ray.direction = ((a * 0.5 + b * 0.3 + c * 0.2) - ray.origin.as_dvec3()).as_vec3();
         }
@@ -181,11 +181,11 @@ fn compare_under(name: &str, scene: &Scene, bvh: &Bvh, root: u32, numbers: Range
         };
         let triangle = found.triangle.unwrap_or_else(|| panic!("{name}: {ray:?} misses, and should meet a triangle at {expected}"));
         let [a, b, c] = triangles[triangle - first];
-        // The more a ray grazes a triangle, the less of the distance is known.
+        // The distance is the less exact, the more a ray grazes the triangle.
         let cosine = (b - a).cross(c - a).normalize_or_zero().dot(ray.1.as_dvec3().normalize()).abs();
         let tolerance = 1e-4 * expected.max(1e-2) * (0.2 / cosine.max(1e-3)).max(1.0);
         assert!((f64::from(found.t) - expected).abs() <= tolerance, "{name}: {ray:?}: {} instead of {expected}", found.t);
-        // The weights give the same place.
+        // The weights give the same point.
         let [v, w] = found.weights.map(f64::from);
         let place = a * (1.0 - v - w) + b * v + c * w;
         let along = ray.0.as_dvec3() + ray.1.as_dvec3() * expected;
@@ -194,7 +194,7 @@ fn compare_under(name: &str, scene: &Scene, bvh: &Bvh, root: u32, numbers: Range
             "{name}: {ray:?}: at {place} by the weights, at {along} by the distance"
         );
     }
-    // A shadow ray is stopped by what is nearer than its end, and by nothing else.
+    // A shadow ray is only stopped by hits before its end.
     for (ray, expected) in rays.iter_mut().zip(&nearest) {
         ray.any_before = Some(expected.map_or(1e30, |t| t as f32 * if ray.origin.x > 0.0 { 1.01 } else { 0.99 }));
     }
@@ -209,7 +209,7 @@ fn the_hierarchy_finds_the_hits_that_all_triangles_have() {
     compare("cornell", &builtin::cornell());
     let mut atrium = builtin::atrium(&Atrium { triangles: 20_000, seed: 0 });
     compare("atrium", &atrium);
-    // What has few triangles shines.
+    // A material with few triangles emits light.
     let few = atrium.draws.iter().filter(|draw| draw.index_count < 3000).max_by_key(|draw| draw.index_count).unwrap().material;
     atrium.materials[few as usize].emission = [1.0; 3];
     assert_ne!(Bvh::build(&atrium).emitting.root, 0, "the test wants a tree of what emits");
@@ -219,10 +219,10 @@ fn the_hierarchy_finds_the_hits_that_all_triangles_have() {
     }
 }
 
-/// Aimed at the very vertices and edges of a closed surface from inside: not one may slip through.
+/// Rays from inside a closed surface at its very vertices and edges: none slips through.
 #[test]
 fn no_ray_slips_through_between_two_triangles() {
-    // A sphere of few triangles, whose corners have no exact floats.
+    // A sphere of few triangles, with corners that floats cannot represent exactly.
     let mut mesh = manylight::scene::builder::Mesh::default();
     const N: u32 = 16;
     let place = |i: u32, j: u32| {

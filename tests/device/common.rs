@@ -1,4 +1,4 @@
-//! A device that is watched by the validation layer, scenes made by code, and their pictures.
+//! A device watched by the validation layer, scenes made by code, and their pictures.
 
 use glam::{Affine3A, DVec3, Vec2, Vec3};
 use manylight::config::{CameraConfig, Config, FilterKind, LightConfig, Shadows};
@@ -16,12 +16,12 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// One test at a time has devices: the software driver takes all cores for one of them, and the validation layer throws, now and
-/// then, where one thread records while another makes or destroys an instance.
+/// Lock that gives devices to one test at a time. The software driver takes all cores for one test, and the validation layer
+/// sometimes throws if one thread records while another makes or destroys an instance.
 static TURN: Mutex<()> = Mutex::new(());
 
 thread_local! {
-    /// Given back when the test's thread ends, after all that it made.
+    /// The thread's lock, released when the test's thread ends, after everything that it made.
     static TAKEN: RefCell<Option<MutexGuard<'static, ()>>> = const { RefCell::new(None) };
 }
 
@@ -33,7 +33,7 @@ pub fn gpu() -> Gpu {
     Gpu::new(&options).unwrap_or_else(|error| panic!("{error:#}"))
 }
 
-/// Ends a test's use of a device: the validation layer must have had nothing to say.
+/// Ends a test's use of a device: the validation layer must be silent.
 pub fn finish(gpu: &Gpu) {
     let messages = gpu.validation_messages();
     assert!(messages.is_empty(), "the validation layer says:\n{}", messages.join("\n"));
@@ -43,7 +43,7 @@ pub fn renderer(scene: Scene) -> Renderer {
     Renderer::new(gpu(), scene, Needs::default()).unwrap_or_else(|error| panic!("{error:#}"))
 }
 
-/// As [`renderer`], with what rays need.
+/// [`renderer`] with ray tracing structures.
 pub fn traced(scene: Scene) -> Renderer {
     let rays = Needs { rays: true };
     let mut renderer = Renderer::new(gpu(), scene, rays).unwrap_or_else(|error| panic!("{error:#}"));
@@ -51,11 +51,11 @@ pub fn traced(scene: Scene) -> Renderer {
     renderer
 }
 
-/// A scene of the folder beside the project; says so where it is not there.
+/// A scene from the folder beside the project. A missing one is reported as a skipped test.
 pub fn shared_scene(name: &str) -> Option<Scene> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes").join(name);
     if !path.exists() {
-        // Past the test harness, which keeps the output of passing tests to itself.
+        // Written directly, since the test harness hides the printed output of passing tests.
         let mut stderr = std::io::stderr();
         writeln!(stderr, "SKIPPED: {} is not there", path.display()).unwrap();
         return None;
@@ -63,7 +63,7 @@ pub fn shared_scene(name: &str) -> Option<Scene> {
     Some(manylight::scene::gltf::load(&path, None).unwrap_or_else(|error| panic!("{error:#}")).scene)
 }
 
-/// The sums of so many paths a pixel.
+/// Sums of `samples` paths per pixel.
 pub fn reference(renderer: &mut Renderer, config: &Config, settings: Settings, samples: u32) -> Sums {
     let mut tracer = Tracer::new(renderer, config, settings, None).unwrap_or_else(|error| panic!("{error:#}"));
     for _ in 0..samples {
@@ -74,31 +74,31 @@ pub fn reference(renderer: &mut Renderer, config: &Config, settings: Settings, s
     sums
 }
 
-/// The truth of so many bounces.
+/// Settings of a reference with this many bounces.
 pub fn bounces(bounces: u32) -> Settings {
     Settings { bounces, frame_index: 0, min_distance: 0.0, centered: false }
 }
 
-/// As [`bounces`], through the middles of the pixels: what a rasterized frame is compared with, or its jagged edges would be the
-/// largest difference.
+/// [`bounces`] with paths through pixel centres, for comparison with rasterized frames: their jagged edges would otherwise be
+/// the largest difference.
 pub fn centered(bounces: u32) -> Settings {
     Settings { centered: true, ..self::bounces(bounces) }
 }
 
-/// Mean of the channels of the chosen pixels.
+/// Mean of the chosen pixels' channels.
 pub fn mean(texels: &[[f32; 4]], chosen: impl Fn(usize) -> bool) -> f64 {
     let values: Vec<f64> = (0..texels.len()).filter(|i| chosen(*i)).flat_map(|i| texels[i][..3].to_vec()).map(f64::from).collect();
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// A frame as the config wants it, and what these passes of it wrote.
+/// A frame of the config, with the resources that these passes wrote.
 pub fn dump(renderer: &mut Renderer, config: &Config, frame: u32, passes: &[&str]) -> Rendered {
     renderer.check(config).unwrap_or_else(|error| panic!("{error:#}"));
     let execution = Execution { dump: passes.iter().map(|pass| (*pass).to_owned()).collect(), ..Execution::default() };
     renderer.render(config, frame, true, &execution).unwrap_or_else(|error| panic!("{error:#}"))
 }
 
-/// A frame as the config wants it.
+/// A frame of the config.
 pub fn render(renderer: &mut Renderer, config: &Config, frame: u32) -> Rendered {
     dump(renderer, config, frame, &[])
 }
@@ -113,12 +113,12 @@ pub fn irradiance(renderer: &mut Renderer, config: &Config) -> Vec<Vec3> {
     picture(renderer, config).irradiance.rgb().collect()
 }
 
-/// What a frame counted under this name.
+/// A frame's count of this name.
 pub fn count(rendered: &Rendered, name: &str) -> u64 {
     rendered.counts.iter().find(|(known, _)| known == name).map(|(_, count)| *count).unwrap_or_else(|| panic!("nothing counts {name}"))
 }
 
-/// The bytes of a resource that was dumped: texels or elements.
+/// Bytes of a dumped resource: texels or elements.
 pub fn dumped<'r>(rendered: &'r Rendered, resource: &str) -> &'r [u8] {
     let dump = rendered.dumps.iter().find(|dump| dump.resource == resource).unwrap_or_else(|| panic!("{resource} was not dumped"));
     match &dump.data {
@@ -127,12 +127,12 @@ pub fn dumped<'r>(rendered: &'r Rendered, resource: &str) -> &'r [u8] {
     }
 }
 
-/// As numbers of 32 bits.
+/// Bytes as 32-bit numbers.
 pub fn words(bytes: &[u8]) -> impl Iterator<Item = u32> {
     bytes.chunks_exact(4).map(|word| u32::from_ne_bytes([word[0], word[1], word[2], word[3]]))
 }
 
-/// A config without anything that bends the numbers: no shadows, no interleaving, no filter, no bound on the singularity.
+/// A config without approximations: no shadows, no interleaving, no filter, no bound on the singularity.
 pub fn plain(size: [u32; 2], position: Vec3, target: Vec3, fov_y_deg: f32, light: LightConfig) -> Config {
     let camera = CameraConfig {
         position: Some(position.into()),
@@ -165,7 +165,7 @@ pub fn spot(position: Vec3, direction: Vec3, intensity: [f32; 3], inner_deg: f32
     }
 }
 
-/// The radiant intensity's share at an angle to a spot's axis, both half-angles and it in radians.
+/// Falloff of radiant intensity at an angle to a spot's axis; all angles are in radians.
 pub fn linear_falloff(angle: f64, inner: f64, outer: f64) -> f64 {
     ((outer - angle) / (outer - inner)).clamp(0.0, 1.0)
 }
@@ -175,7 +175,7 @@ pub fn matte(albedo: [f32; 3]) -> Material {
     Material { base_color: [r, g, b, 1.0], ..Material::default() }
 }
 
-/// Adds a parallelogram with a material of its own; its front is where its corners run counter-clockwise.
+/// Adds a parallelogram with its own material; corners are counter-clockwise seen from its front.
 pub fn add_quad(scene: &mut Scene, corners: [Vec3; 4], material: Material) {
     let mut mesh = Mesh::default();
     mesh.quad(corners, [Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::new(1.0, 0.0), Vec2::ZERO]);
@@ -183,7 +183,7 @@ pub fn add_quad(scene: &mut Scene, corners: [Vec3; 4], material: Material) {
     scene.add_mesh(&mesh, material, &[Affine3A::IDENTITY]);
 }
 
-/// One wall of a box: where it is, in 64 bits, for whoever computes without the engine.
+/// One wall of a box in 64 bits, for computations without the engine.
 #[derive(Debug, Clone, Copy)]
 pub struct Wall {
     pub corner: DVec3,
@@ -211,7 +211,7 @@ pub fn walls(size: DVec3, albedos: [DVec3; 6]) -> [Wall; 6] {
     })
 }
 
-/// The scene of some walls; they reflect on their inside alone.
+/// The scene of some walls, which reflect only on their inside.
 pub fn room(walls: &[Wall]) -> Scene {
     let mut scene = Scene { name: "room".into(), ..Scene::default() };
     for wall in walls {
@@ -223,8 +223,8 @@ pub fn room(walls: &[Wall]) -> Scene {
     scene
 }
 
-/// Irradiance at `x` on a surface of normal `n` from walls that reflect the irradiance `lit` once. Midpoints of n x n patches
-/// of each wall; nothing hides anything. No light gets brighter below the distance `nearest`.
+/// Irradiance at `x` on a surface of normal `n` from walls that reflect the irradiance `lit` once, by the midpoints of n x n
+/// patches of each wall, without occlusion. Distances are clamped to `nearest`.
 pub fn one_bounce(walls: &[Wall], nearest: f64, n: u32, x: DVec3, normal: DVec3, lit: impl Fn(&Wall, DVec3) -> DVec3) -> DVec3 {
     let mut sum = DVec3::ZERO;
     for wall in walls {

@@ -1,4 +1,4 @@
-//! Culling in the gather leaves VPLs out that cannot shine on pixels, and never changes the picture.
+//! Culling in the gather: VPLs that cannot shine on pixels are left out, and the picture never changes.
 
 use crate::common::*;
 use glam::Vec3;
@@ -25,13 +25,13 @@ fn culled(renderer: &mut Renderer, config: &Config, culling: Culling) -> Plane {
     picture(renderer, &config).irradiance
 }
 
-/// Holds both ways of culling against none.
+/// Compares both culling methods with none.
 fn same(renderer: &mut Renderer, config: &Config, what: &str) {
     let all = culled(renderer, config, Culling::None);
     let tiled = culled(renderer, config, Culling::Tiled);
     assert!(all.values == tiled.values, "{what}: tiled culling changed the picture");
     let clustered = culled(renderer, config, Culling::Clustered);
-    // With fewer sets than parts of a list, its VPLs come in another order; stored are halves.
+    // With fewer sets than parts of a list, VPLs are summed in another order; values are stored as halves.
     let exact = config.gather.interleave >= 4;
     for (i, (a, b)) in all.values.iter().zip(&clustered.values).enumerate() {
         let same = if exact { a == b } else { (a - b).abs() <= 2e-3 * a.abs() };
@@ -89,7 +89,7 @@ fn culling_never_changes_the_picture_whatever_the_count_and_the_lights() {
     finish(renderer.gpu());
 }
 
-/// Numbers in the parts of the used clusters' lists, and how many of these clusters there are.
+/// Lengths of the parts of used froxels' light lists, and the number of these froxels.
 fn lists(renderer: &mut Renderer, config: &Config) -> (Vec<u32>, usize) {
     let mut config = config.clone();
     config.gather.culling = Culling::Clustered;
@@ -102,7 +102,7 @@ fn lists(renderer: &mut Renderer, config: &Config) -> (Vec<u32>, usize) {
 
 #[test]
 fn lists_are_short_where_vpls_face_away_and_a_full_one_spoils_no_neighbour() {
-    // A floor that the sun lights from above: its VPLs all face what is above it, and every list is full.
+    // A floor lit by the sun: its VPLs all face everything above it, and every list is full.
     let mut floor = Scene::default();
     add_quad(&mut floor, [[-4.0, 4.0], [4.0, 4.0], [4.0, -4.0], [-4.0, -4.0]].map(|[x, z]| Vec3::new(x, 0.0, z)), matte([0.7; 3]));
     let corners = [[-4.0, 0.0], [4.0, 0.0], [4.0, 2.0], [-4.0, 2.0]].map(|[x, y]| Vec3::new(x, y, -4.0));

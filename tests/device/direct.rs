@@ -10,12 +10,12 @@ use std::f64::consts::PI;
 
 const ALBEDO: [f32; 3] = [0.5, 0.25, 0.75];
 const SHADOWS: [Shadows; 3] = [Shadows::None, Shadows::Variance, Shadows::PercentageCloser];
-/// A step of a half-float, as a device may round down when it stores one, and a little for the arithmetic.
+/// Relative step of a half-float, since a device may round down on storing one, and a little for the arithmetic.
 const ROUNDING: f64 = 1.0 / 1024.0 + 5e-5;
-/// What acos and cos of a device may be off by, radians.
+/// Error of a device's acos and cos, radians.
 const ANGLE: f64 = 1e-4;
 
-/// A square of side 8 around the origin whose front is `up`.
+/// A square of side 8 around the origin, facing `up`.
 fn plane(up: Vec3) -> Scene {
     let mut scene = Scene { name: "plane".into(), ..Scene::default() };
     let u = up.any_orthonormal_vector() * 4.0;
@@ -28,7 +28,8 @@ fn seen_from(eye: Vec3, light: LightConfig) -> Config {
     plain([96, 96], eye, Vec3::ZERO, 40.0, light)
 }
 
-/// Compares each pixel's direct light with what is expected of its position, to rounding and, as spot lights need, a radiance.
+/// Compares each pixel's direct light with the expected value at its position, up to rounding and, for spot lights, a given
+/// radiance.
 fn compare(what: &str, picture: &Picture, expected: impl Fn(DVec3) -> DVec3, slack: f64) {
     let mut worst: f64 = 0.0;
     for (x, found) in picture.positions().into_iter().zip(picture.direct.rgb()) {
@@ -62,7 +63,7 @@ fn a_plane_in_the_sun_is_as_bright_as_albedo_over_pi_times_irradiance_times_cosi
     }
 }
 
-/// The light of a spot at (0, 3, 0) that shines down on the plane, by its falloff in the angle to its axis.
+/// Radiance of the plane under a spot at (0, 3, 0) that shines down, with the falloff over the angle to its axis.
 fn under_spot(intensity: DVec3, falloff: impl Fn(f64) -> f64) -> impl Fn(DVec3) -> DVec3 {
     move |x| {
         let d = x - DVec3::new(0.0, 3.0, 0.0);
@@ -78,7 +79,7 @@ fn a_spot_light_falls_off_with_the_squared_distance_and_linearly_with_the_angle(
     let light = spot(Vec3::Y * 3.0, Vec3::NEG_Y, intensity, 12.0, 30.0);
     let config = seen_from(Vec3::new(1.0, 6.0, 1.5), light);
     let expected = under_spot(Vec3::from(intensity).as_dvec3(), |angle| linear_falloff(angle, 12.0 * PI / 180.0, 30.0 * PI / 180.0));
-    // Light ends within the picture; how it does is as good as the device's angle.
+    // The light's edge is in the picture, where the error is that of the device's angle.
     let peak = expected(DVec3::ZERO).max_element();
     let slack = peak * ANGLE / 18f64.to_radians();
     let unshadowed = shaded(&mut renderer, &config, Shadows::None);
@@ -87,7 +88,7 @@ fn a_spot_light_falls_off_with_the_squared_distance_and_linearly_with_the_angle(
     for shadows in [Shadows::Variance, Shadows::PercentageCloser] {
         compare(&format!("{shadows:?}"), &shaded(&mut renderer, &config, shadows), &expected, slack);
     }
-    // At twice the distance the axis gets a quarter.
+    // At twice the distance the axis gets a quarter of the light.
     let far = picture(&mut renderer, &seen_from(Vec3::new(1.0, 6.0, 1.5), spot(Vec3::Y * 6.0, Vec3::NEG_Y, intensity, 12.0, 30.0)));
     let middle = 48 * 96 + 48;
     let ratio = unshadowed.direct.at(middle)[0] / far.direct.at(middle)[0];
@@ -147,7 +148,7 @@ fn a_point_under_a_blocker_is_dark_and_one_beside_it_is_lit() {
         LightConfig::Point { position: [0.0, 4.0, 0.0], intensity: [30.0; 3], keyframes: Vec::new() },
     ];
     for light in lights {
-        // From below the blocker's height, so that the plane under it is in the picture.
+        // The camera is below the blocker's height, so that the plane under it is in the picture.
         let config = plain([128, 128], Vec3::new(0.0, 0.7, 3.5), Vec3::new(0.0, 0.0, 0.0), 50.0, light.clone());
         let open = shaded(&mut renderer, &config, Shadows::None);
         for shadows in [Shadows::Variance, Shadows::PercentageCloser] {
@@ -157,7 +158,7 @@ fn a_point_under_a_blocker_is_dark_and_one_beside_it_is_lit() {
                 if picture.depth.values[i] <= 0.0 || x.y > 1e-3 {
                     continue;
                 }
-                // Where the way to the light crosses the blocker's height.
+                // Point where the path to the light crosses the blocker's height.
                 let crossing = match &light {
                     LightConfig::Directional { .. } => x + Vec3::new(-0.2, 1.0, 0.0),
                     _ => x + (Vec3::new(0.0, 4.0, 0.0) - x) * 0.25,
@@ -185,7 +186,7 @@ fn a_scene_without_a_camera_is_framed_and_a_spot_far_outside_of_it_lights_it() {
         let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z);
         add_quad(&mut scene, [corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)], matte([0.5; 3]));
         let mut renderer = renderer(scene);
-        // Fifteen metres over a square whose diagonal is less than three.
+        // The light is fifteen metres over a square whose diagonal is less than three.
         let light = spot(Vec3::new(0.0, 15.0, 0.0), Vec3::NEG_Y, [225.0; 3], 10.0, 12.0);
         let mut config = plain([64, 64], Vec3::Y, Vec3::ZERO, 60.0, light);
         config.camera = None;
@@ -195,7 +196,7 @@ fn a_scene_without_a_camera_is_framed_and_a_spot_far_outside_of_it_lights_it() {
         assert!(surface.len() > 600, "{} pixels show the square", surface.len());
         let direct: Vec<Vec3> = picture.direct.rgb().collect();
         for i in surface {
-            // 225 W/sr at 15 m is 1 W/m^2 and a little less towards the corners.
+            // 225 W/sr at 15 m give 1 W/m^2, and a little less towards the corners.
             let expected = 0.5 / std::f32::consts::PI;
             assert!(direct[i].x > expected * 0.97 && direct[i].x < expected * 1.01, "{shadows:?}: {} for {expected}", direct[i].x);
         }
@@ -215,7 +216,7 @@ fn an_empty_room_has_no_shadows_however_its_walls_slope_to_the_light() {
         let mut config = plain([64, 64], Vec3::new(3.6, 1.7, 4.6), Vec3::new(1.0, 1.2, 0.5), 95.0, light);
         config.direct.shadows = Shadows::None;
         let open = picture(&mut renderer, &config);
-        // Small windows: a wide one reaches round the room's corners, where it rightly finds nearer walls.
+        // Windows are small: a wide one reaches around the room's corners, where it rightly finds nearer walls.
         for shadows in [Shadows::Variance, Shadows::PercentageCloser] {
             for blur in [0, 1] {
                 (config.direct.shadows, config.direct.blur) = (shadows, blur);

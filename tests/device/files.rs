@@ -1,4 +1,4 @@
-//! glTF files as the device draws them, looked at through a few pixels.
+//! glTF files as drawn by the device, tested at a few pixels.
 
 use crate::common::*;
 use crate::make::{F32, Make, bytes as bytes_of, png, push};
@@ -7,12 +7,12 @@ use manylight::output::Picture;
 use manylight::scene::Scene;
 use serde_json::{Value, json};
 
-/// Half the picture's width in the plane z = 0, metres, and where its middle is.
+/// Half the picture's width in the plane z = 0, m, and its centre.
 const HALF: f32 = 3.0;
 const MIDDLE: Vec3 = Vec3::new(0.5, 1.0, 0.0);
 const SIZE: u32 = 96;
 
-/// The plane z = 0, seen from its front.
+/// A picture of the plane z = 0, seen from its front.
 fn draw(scene: Scene) -> Picture {
     let mut renderer = renderer(scene);
     let eye = MIDDLE + Vec3::Z * HALF;
@@ -22,7 +22,7 @@ fn draw(scene: Scene) -> Picture {
     picture
 }
 
-/// What a picture shows at a point of the plane: position, normal and albedo; nothing where there is no surface.
+/// Position, normal and albedo at a point of the plane; `None` without a surface.
 fn at(picture: &Picture, x: f32, y: f32) -> Option<(Vec3, Vec3, Vec3)> {
     let pixel = |offset: f32| ((offset / HALF * 0.5 + 0.5) * SIZE as f32) as u32;
     let i = (pixel(MIDDLE.y - y) * SIZE + pixel(x - MIDDLE.x)) as usize;
@@ -35,12 +35,12 @@ fn near(found: Vec3, expected: Vec3, tolerance: f32) {
     assert!(found.distance(expected) < tolerance, "{found} instead of {expected}");
 }
 
-/// One texel's image.
+/// An image of one texel.
 fn plain_image(rgba: [u8; 4]) -> Vec<u8> {
     png(1, 1, &rgba)
 }
 
-/// A square whose normals a map tilts to (x, y, z) by bytes; the node is drawn as it is and mirrored at x = 0.
+/// A square with a normal map of one tilt, given by bytes; the node is drawn as it is and mirrored at x = 0.
 fn tilted(bytes: [u8; 3], given_tangents: bool) -> Picture {
     let [r, g, b] = bytes;
     let mut make = Make::textured(json!({"normalTexture": {"index": 0}}));
@@ -56,7 +56,7 @@ fn tilted(bytes: [u8; 3], given_tangents: bool) -> Picture {
 #[test]
 fn a_normal_map_tilts_normals_along_the_image_and_a_mirrored_instance_mirrors_them() {
     let byte = |byte: u8| f32::from(byte) / 255.0 * 2.0 - 1.0;
-    // Red is to the image's right, which a mirrored instance has on its left; green is up in both.
+    // Red points to the image's right, which is left on a mirrored instance; green points up on both.
     for given_tangents in [false, true] {
         for bytes in [[204, 128, 230], [128, 204, 230]] {
             let picture = tilted(bytes, given_tangents);
@@ -143,7 +143,7 @@ fn the_back_of_a_square_is_seen_only_where_it_is_double_sided() {
     for double_sided in [false, true] {
         for mirrored in [false, true] {
             let mut make = Make::textured(json!({"doubleSided": double_sided}));
-            // A half turn about Y shows the back; a mirror on top of it leaves that as it is.
+            // A half turn about Y shows the back; mirroring on top of it changes nothing.
             make.json["nodes"][0]["rotation"] = json!([0.0, 1.0, 0.0, 0.0]);
             make.json["nodes"][0]["scale"] = json!([if mirrored { -1.0 } else { 1.0 }, 1.0, 1.0]);
             let picture = draw(make.scene());

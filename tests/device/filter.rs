@@ -1,4 +1,4 @@
-//! Filters of the indirect light: what they take away and what they leave.
+//! Filters of the indirect light: noise that they remove, and edges that they keep.
 
 use crate::common::*;
 use glam::{DVec3, Vec3};
@@ -8,7 +8,7 @@ use manylight::renderer::Renderer;
 const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
 const KINDS: [FilterKind; 3] = [FilterKind::Bilateral, FilterKind::Gaussian, FilterKind::CrossBilateral];
 
-/// A room whose far wall, z = 0, is all that a lamp lights.
+/// A room in which a lamp lights only the far wall, z = 0.
 fn lit_wall(target: Vec3, fov_y_deg: f32) -> (Renderer, Config) {
     let renderer = renderer(room(&walls(SIZE, [DVec3::splat(0.6); 6])));
     let lamp = spot(Vec3::new(2.0, 1.5, 4.0), Vec3::new(0.0, 0.0, -1.0), [30.0; 3], 12.0, 18.0);
@@ -31,7 +31,7 @@ fn off(values: &[f32], truth: &[f32], chosen: &dyn Fn(usize) -> bool) -> f64 {
 
 #[test]
 fn every_filter_takes_the_pattern_of_interleaving_away() {
-    // The floor, far enough from the lit wall.
+    // Only the floor counts, far enough from the lit wall.
     let (mut renderer, mut config) = lit_wall(Vec3::new(2.0, 0.0, 2.2), 40.0);
     let (truth, positions) = indirect(&mut renderer, &config);
     let on_floor = |i: usize| positions[i].y < 1e-3 && (1.0..4.0).contains(&positions[i].z);
@@ -48,7 +48,7 @@ fn every_filter_takes_the_pattern_of_interleaving_away() {
 
 #[test]
 fn no_filter_crosses_the_edge_between_a_wall_and_a_floor() {
-    // Both get their light at a slant, the floor more of it. So near that it hardly changes over a filter's width.
+    // Both surfaces get slanted light, the floor more. The view is so close that light hardly changes over a filter's width.
     let (mut renderer, mut config) = lit_wall(Vec3::new(4.0, 0.0, 2.0), 8.0);
     let (truth, positions) = indirect(&mut renderer, &config);
     let beside = |i: usize| positions[i].y < 0.02 && positions[i].x > 3.98;
@@ -60,10 +60,10 @@ fn no_filter_crosses_the_edge_between_a_wall_and_a_floor() {
             (config.filter.normal_threshold_deg, config.filter.plane_distance) = (normal_threshold_deg, plane_distance);
             off(&indirect(&mut renderer, &config).0, &truth, &beside)
         };
-        // Either threshold alone is enough: by the normals, and by half a millimetre off the plane, less than a pixel.
+        // Either threshold suffices alone: the normals', or the plane's at half a millimetre, less than a pixel.
         let (by_normal, by_plane, crossing) = (with(25.0, 1e6), with(90.0, 2e-4), with(90.0, 1e6));
         println!("{kind:?}: off by {by_normal:.4}, {by_plane:.4}, without thresholds {crossing:.4}");
-        // At 90 degrees the cross bilateral one still counts no more than e^-2.
+        // At 90 degrees the cross-bilateral filter still has weights of at most e^-2.
         for keeping in [by_normal, by_plane] {
             assert!(keeping < 0.01 && crossing > 3.0 * keeping, "{kind:?}: off by {keeping}, without thresholds {crossing}");
         }

@@ -1,4 +1,4 @@
-//! Walks on a device: what stands still does not flicker, what moves is followed, and keyframes drive both.
+//! Flicker on a device: still surfaces do not flicker, moving ones are followed, and keyframes drive cameras and lights.
 
 use crate::common::*;
 use glam::Vec3;
@@ -18,7 +18,7 @@ fn key(time: f32, position: [f32; 3], target: [f32; 3]) -> CameraKeyframe {
     CameraKeyframe { time, position, target, fov_y_deg: None }
 }
 
-/// The box under a wide lamp at its ceiling, seen along a path.
+/// The box under a wide lamp at its ceiling, seen along a camera path.
 fn cornell(size: [u32; 2], keyframes: Vec<CameraKeyframe>) -> Config {
     let light = spot(Vec3::new(0.0, 5.4, 0.3), Vec3::NEG_Y, [45.0, 40.0, 32.0], 50.0, 75.0);
     let camera = CameraConfig { keyframes, fov_y_deg: Some(37.0), ..CameraConfig::default() };
@@ -74,7 +74,7 @@ fn a_moving_camera_under_exact_visibility_sees_little_flicker_and_no_surface_for
     config.direct.shadows = Shadows::RayTraced;
     config.gather.interleave = 1;
     config.filter.kind = manylight::config::FilterKind::None;
-    // So that what is left is a smooth function of the surface, and not the peaks near the VPLs.
+    // The bound leaves a smooth function of the surface, without peaks near VPLs.
     config.gather.min_distance = 1.0;
     let mut frames: Vec<(Surfaces, Vec<Vec3>)> = Vec::new();
     let walk = walk(&mut renderer, &config, Intensity::Irradiance, &mut |visit| {
@@ -83,12 +83,12 @@ fn a_moving_camera_under_exact_visibility_sees_little_flicker_and_no_surface_for
     let relative = walk.flicker.flicker / walk.flicker.mean;
     assert!(relative > 0.0 && relative < 0.03, "{relative}");
     for step in &walk.steps {
-        // The camera comes nearer, so that the walls' edges go out of the picture.
+        // The camera approaches, so that the walls' edges leave the picture.
         assert!(step.pair.matched as f64 > 0.97 * (step.pair.surfaces - step.pair.outside) as f64, "{step:?}");
         assert!(step.pair.outside < step.pair.surfaces / 10, "{step:?}");
     }
     finish(renderer.gpu());
-    // The walls' colours and places, which the matching of normals and planes does not know.
+    // Colours and positions of the walls are an independent check: the matching does not use them.
     for pair in frames.windows(2) {
         let [(before, albedo_before), (after, albedo_after)] = pair else { unreachable!("pairs") };
         for (i, fate) in matches(before, after).fates().iter().enumerate() {
@@ -116,7 +116,7 @@ fn a_lights_keyframes_make_a_still_camera_see_the_change_that_they_say() {
         intensity: Some([40.0 * scale, 40.0 * scale, 40.0 * scale]),
         irradiance: None,
     };
-    // From 1 to 4 in 1.5 s: by 1 a frame.
+    // Intensity goes from 1 to 4 in 1.5 s, by 1 a frame.
     *keyframes = vec![intensity(0.0, 1.0), intensity(1.5, 4.0)];
     let mut expected = 0.0;
     let walk = walk(&mut renderer, &config, Intensity::Direct, &mut |visit| {
@@ -143,7 +143,7 @@ fn a_walk_follows_its_path_linearly_or_smoothly_as_the_config_says() {
     config.frame.fps = 2.0;
     config.frame.count = 7;
     let [a, b, c, d] = places.map(Vec3::from);
-    // Halfway between keyframes of even times.
+    // Halfway between evenly spaced keyframes.
     let smooth = (9.0 * (b + c) - (a + d)) / 16.0;
     for (interpolation, halfway) in [(Interpolation::Linear, (b + c) / 2.0), (Interpolation::CatmullRom, smooth)] {
         config.camera.as_mut().unwrap().interpolation = interpolation;

@@ -1,4 +1,4 @@
-//! What frames count and take, and what a warm-up spares the frames after it.
+//! Counts and memory of frames, and pipelines that a warm-up makes in advance.
 
 use crate::common::*;
 use glam::{DVec3, Vec3};
@@ -13,7 +13,7 @@ fn all_vpls_of_a_light_in_a_closed_box_are_lit() {
     let light = LightConfig::Point { position: [2.0, 1.5, 2.0], intensity: [1.0; 3], keyframes: Vec::new() };
     let mut config = plain([16, 16], Vec3::new(1.0, 1.0, 4.0), Vec3::ZERO, 60.0, light);
     config.rsm.size = [16, 16];
-    // More than a workgroup, and a rest.
+    // More than a workgroup, and no multiple of one.
     config.vpls.count = 1001;
     for timing in [Timing::Isolated, Timing::Overlapped, Timing::Serial] {
         let rendered = renderer.render(&config, 0, false, &Execution { timing, ..Execution::default() }).unwrap();
@@ -33,7 +33,7 @@ fn vpls_where_the_map_misses_the_scene_are_not_lit() {
     let mut config = plain([16, 16], Vec3::new(0.0, 5.0, 1.0), Vec3::ZERO, 60.0, directional(Vec3::NEG_Y, [1.0; 3]));
     config.rsm.size = [64, 32];
     config.rsm.bounds = Some(BoxConfig { min: [-4.0, -1.0, -4.0], max: [12.0, 1.0, 4.0] });
-    // One a texel. The map has a margin of a texel on each side of the box, and its texels count by their middles.
+    // One VPL per texel. The map has a margin of a texel on each side of the box, and texels count by their centres.
     config.vpls.count = 64 * 32;
     let middles = |texels: u32, half: f64| {
         let half_map = half * (1.0 + 2.0 / f64::from(texels));
@@ -56,7 +56,7 @@ fn the_resources_of_a_known_frame_take_what_their_texels_do() {
     let first = render(&mut renderer, &config, 0);
     let memory = Memory::of(&first.memory);
     let pixels = 64 * 64;
-    // Depth, octahedral normal, albedo, metallic-roughness, emission; the rest is the view and the arguments of the draws.
+    // Depth, octahedral normal, albedo, metallic-roughness, emission; the rest is the view and the draws' arguments.
     let view = memory.resources["gbuffer/view"];
     let arguments = memory.resources["gbuffer/arguments"];
     assert_eq!(arguments % 20, 0);
@@ -65,15 +65,15 @@ fn the_resources_of_a_known_frame_take_what_their_texels_do() {
     let maps = ["depth", "normal", "flux", "albedo"].map(|name| memory.resources[&format!("rsm/{name}")]);
     assert_eq!(maps, [4, 4, 16, 8].map(|texel| 6 * 32 * 16 * texel));
     assert_eq!((memory.stages["vpls"], memory.stages["gather"]), (100 * (16 + 12 + 4) + 4, pixels * 8));
-    // Every stage that has resources has passes of its name, and what is imported is not the frame's.
+    // Every stage with resources has passes of its name, and imported resources do not count as the frame's.
     let stages: Vec<&str> = memory.stages.keys().map(String::as_str).collect();
     assert_eq!(stages, ["compose", "direct", "gather", "gbuffer", "rsm", "vpls"]);
     assert_eq!(render(&mut renderer, &config, 0).memory, first.memory);
     finish(renderer.gpu());
 }
 
-/// Walls to the north, east and south of the origin, each of another kind of material; a camera and a light at the origin that
-/// turn from one to the next, a frame each.
+/// Walls to the north, east and south of the origin, each with another kind of material. A camera and a light at the origin
+/// turn from one to the next in each frame.
 fn turning() -> (Scene, Config) {
     let mut scene = Scene { name: "three walls".into(), ..Scene::default() };
     let plain_matte = matte([0.5; 3]);
@@ -118,7 +118,7 @@ fn turning() -> (Scene, Config) {
 #[test]
 fn after_a_warm_up_no_frame_of_a_path_makes_a_pipeline() {
     let (scene, config) = turning();
-    // Without one, what comes into view is what needs new ones: the test is about something.
+    // Without a warm-up, walls that come into view need new pipelines: the test can fail.
     let mut cold = renderer(scene.clone());
     let mut made = Vec::new();
     let pictures: Vec<_> = (0..3)

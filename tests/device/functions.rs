@@ -1,4 +1,4 @@
-//! Every function of the shaders' library that has a formula, run on the device and held against 64-bit numbers.
+//! Functions of the shaders' library with a formula, run on the device and compared with 64-bit numbers.
 
 use crate::common::*;
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// A shader that maps four words to four words: `v`, and its bits `w`, to `result`.
+/// A shader that maps four words to four words: from `v`, or its bits `w`, to `result`.
 const FRAME: &str = "#version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -53,7 +53,7 @@ fn library(declarations: &str, body: &str) -> Library {
     Library::from_sources(sources)
 }
 
-/// Runs `body` for each of the inputs; `extra` declares and uploads what else the body reads.
+/// Runs `body` for each of the inputs. `extra` declares and uploads further data that the body reads.
 fn words(
     declarations: &str,
     body: &str,
@@ -77,14 +77,14 @@ fn words(
     words.chunks_exact(4).map(|w| [w[0], w[1], w[2], w[3]]).collect()
 }
 
-/// As [`words`], for numbers: `body` sets the vec4 `r`.
+/// [`words`] for floats: `body` sets the vec4 `r`.
 pub fn numbers(body: &str, inputs: &[[f32; 4]]) -> Vec<[f32; 4]> {
     let inputs: Vec<[u32; 4]> = inputs.iter().map(|v| v.map(f32::to_bits)).collect();
     let body = format!("vec4 r = vec4(0.0);\n{body}\nresult = floatBitsToUint(r);");
     words("", &body, &inputs, |_| Vec::new()).into_iter().map(|w| w.map(f32::from_bits)).collect()
 }
 
-/// As [`numbers`], with a light.
+/// [`numbers`] with a light.
 fn numbers_of_light(light: Projector, body: &str, inputs: &[[f32; 4]]) -> Vec<[f32; 4]> {
     let inputs: Vec<[u32; 4]> = inputs.iter().map(|v| v.map(f32::to_bits)).collect();
     let body = format!("vec4 r = vec4(0.0);\nLight light = lights.at[0];\n{body}\nresult = floatBitsToUint(r);");
@@ -93,7 +93,7 @@ fn numbers_of_light(light: Projector, body: &str, inputs: &[[f32; 4]]) -> Vec<[f
     found.into_iter().map(|w| w.map(f32::from_bits)).collect()
 }
 
-/// Directions all around, the axes and the octahedron's edges among them.
+/// Directions all around, including the axes and the octahedron's edges.
 fn directions() -> Vec<Vec3> {
     let fibonacci = (0..5000).map(|i| {
         let z = 1.0 - (2.0 * f64::from(i) + 1.0) / 5000.0;
@@ -143,7 +143,7 @@ fn directions_pack_into_the_same_word_on_the_device_as_on_the_host() {
     let body = "result.x = octahedral_snorm16(v.xyz);\nresult.yzw = floatBitsToUint(octahedral_snorm16_inverse(result.x));";
     for (v, found) in directions.iter().zip(words("", body, &inputs, |_| Vec::new())) {
         let expected = pack::octahedral_snorm16(*v);
-        // Rounding of the last bit of the input may tip either coordinate over.
+        // Rounding of the input's last bit may change either coordinate by one.
         let apart = |shift: u32| ((found[0] >> shift) as u16 as i16).abs_diff((expected >> shift) as u16 as i16);
         assert!(apart(0) <= 1 && apart(16) <= 1, "{v}: {:08x} instead of {expected:08x}", found[0]);
         let back = Vec3::new(f32::from_bits(found[1]), f32::from_bits(found[2]), f32::from_bits(found[3]));
@@ -192,7 +192,7 @@ fn reinhard_divides_by_one_plus_the_luminance() {
     }
 }
 
-/// The permutation's twin: four Feistel rounds on the next even power of two, walked until the number is in range.
+/// The permutation on the host: four Feistel rounds on the next even power of two, repeated until the number is in range.
 fn permutation(index: u32, count: u32) -> u32 {
     let half = (1..16).find(|half| 1u64 << (2 * half) >= u64::from(count)).unwrap();
     let mask = (1u32 << half) - 1;
@@ -262,7 +262,7 @@ fn the_solid_angles_of_a_maps_texels_sum_to_that_of_its_square() {
             r.y = texel_flux(light, v.xy).x; r.z = texel_flux(light, v.xy).z;";
         let found = numbers_of_light(light, body, &inputs);
         let sum: f64 = found.iter().map(|r| f64::from(r[0])).sum();
-        // A pyramid over a square with the half-angle's tangent t.
+        // The solid angle of a pyramid over a square, t being the half-angle's tangent.
         let exact = 4.0 * (t * t / (1.0 + t * t)).asin();
         assert!((sum / exact - 1.0).abs() < 2e-4, "{outer_deg} degrees: {sum} instead of {exact}");
         for (input, found) in inputs.iter().zip(&found) {
@@ -272,7 +272,7 @@ fn the_solid_angles_of_a_maps_texels_sum_to_that_of_its_square() {
             assert!((f64::from(found[0]) / solid_angle - 1.0).abs() < 1e-5, "{input:?}: {found:?}");
             let angle = (1.0 / squared.sqrt()).acos();
             let flux = solid_angle * linear_falloff(angle, 1f64.to_radians(), f64::from(outer_deg).to_radians());
-            // The falloff is as good as the device's acos, which Vulkan lets be off by 4,096 steps of a 32-bit float.
+            // The falloff is as exact as the device's acos, for which Vulkan allows an error of 4,096 steps of a 32-bit float.
             let falloff = angle * 4096.0 * f64::from(f32::EPSILON) / f64::from(outer_deg - 1.0).to_radians();
             assert!((f64::from(found[1]) - 3.0 * flux).abs() < 3.0 * (flux * 1e-4 + solid_angle * falloff), "{input:?}: {found:?}");
             assert!((found[1] - 3.0 * found[2]).abs() <= found[1] * 1e-6, "{input:?}: {found:?}");
@@ -284,7 +284,7 @@ fn the_solid_angles_of_a_maps_texels_sum_to_that_of_its_square() {
 fn a_texel_of_a_directional_light_carries_its_area_times_the_irradiance() {
     let light = projector(Light::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::new(3.0, 2.0, 1.0) }, 64);
     let found = numbers_of_light(light, "r.xyz = texel_flux(light, v.xy); r.w = light.texel_area;", &[[0.0; 4], [0.9, -0.9, 0.0, 0.0]]);
-    // The box's 20 m by 6 m and a margin of a texel's width around them.
+    // The box's 20 m by 6 m, with a margin of a texel's width around them.
     let area = 20.0 * 6.0 * (66.0f64 / 64.0).powi(2) / 4096.0;
     for flux in found {
         assert!((xyz(flux) - DVec3::new(3.0, 2.0, 1.0) * area).abs().max_element() < area * 1e-5, "{flux:?}, area {area}");
@@ -319,7 +319,7 @@ fn a_point_of_a_lights_map_comes_back_from_clip_space() {
     let point = Light::Point { position: Vec3::new(0.5, 4.0, 0.3), intensity: Vec3::ONE };
     let sun = Light::Directional { direction: Vec3::new(0.3, -1.0, 0.2).normalize(), irradiance: Vec3::ONE };
     for light in [projector(sun, 64), projector(spot_light(10.0, 60.0, SpotFalloff::Angle), 64), projector(point, 64)] {
-        // Points of the map by the light's own axes, at several distances.
+        // Points of the map along the light's own axes, at several distances.
         let (origin, direction) = (Vec3::from(light.origin).as_dvec3(), Vec3::from(light.direction).as_dvec3());
         let (right, up) = (Vec3::from(light.right).as_dvec3(), Vec3::from(light.up).as_dvec3());
         let points: Vec<DVec3> = (0..2000)
@@ -349,7 +349,7 @@ fn the_normal_of_a_plane_comes_back_from_how_its_depth_changes() {
         let (origin, direction) = (Vec3::from(light.origin).as_dvec3(), Vec3::from(light.direction).as_dvec3());
         let (right, up) = (Vec3::from(light.right).as_dvec3(), Vec3::from(light.up).as_dvec3());
         let near = f64::from(light.near);
-        // Start and way of the light through a point of the map; its depth where it meets the plane of p and n.
+        // Start and direction of the light through a point of the map, and its depth at the plane through p with normal n.
         let ray = |ndc: DVec2| {
             let across = right * ndc.x - up * ndc.y;
             if light.kind == 0 { (origin + across, direction) } else { (origin, direction + across) }
@@ -364,7 +364,7 @@ fn the_normal_of_a_plane_comes_back_from_how_its_depth_changes() {
             let ndc = DVec2::new((i * 37 % 100) as f64 / 50.0 - 0.99, (i * 71 % 100) as f64 / 50.0 - 0.99);
             let (start, way) = ray(ndc);
             let (p, n) = (start + way * (1.0 + (i % 13) as f64 * 0.3), n.as_dvec3());
-            // Grazing planes have no depth to speak of; the plane's other side is the same plane.
+            // Grazing planes have no useful depth. The plane's other side is the same plane.
             if way.normalize().dot(n).abs() < 0.1 {
                 continue;
             }
@@ -374,7 +374,7 @@ fn the_normal_of_a_plane_comes_back_from_how_its_depth_changes() {
             let inputs = [ndc.x, ndc.y, depth(ndc, p, n), slope(DVec2::X), slope(DVec2::Y), 0.0, 0.0, 0.0].map(|v| v as f32);
             cases.push((inputs, n));
         }
-        // Two inputs a case: the second invocation has nothing to do.
+        // Two inputs per case: the second invocation is idle.
         let inputs: Vec<[f32; 4]> = cases.iter().flat_map(|(v, _)| [[v[0], v[1], v[2], 0.0], [v[3], v[4], 0.0, 0.0]]).collect();
         let body = "uint next = 4u * min(i + 1u, uint(inputs.at.length()) / 4u - 1u);
             vec2 gradient = uintBitsToFloat(uvec2(inputs.at[next], inputs.at[next + 1u]));
@@ -414,7 +414,7 @@ fn a_pixels_position_comes_back_from_its_depth() {
     let declarations = "layout(scalar) uniform ViewBlock { View it; } view;";
     let body = "result = floatBitsToUint(vec4(view_position(view.it, ivec2(v.xy), v.z), 0.0));";
     let found = words(declarations, body, &bits, |g| vec![("view", g.upload("view", &[view]))]);
-    // The camera once more, from its definition.
+    // The camera recomputed from its definition.
     let forward = (camera.target - camera.position).as_dvec3().normalize();
     let right = forward.cross(DVec3::Y).normalize();
     let up = right.cross(forward);
@@ -464,18 +464,18 @@ fn ggx_is_its_distribution_and_heitzs_shadowing() {
     }
 }
 
-/// Walter's two normalizations, by quadrature over half vectors: the projected microfacets cover the surface once, and those
-/// that a direction sees have that direction's own projected area.
+/// Walter's two normalizations by quadrature over half vectors: the projected microfacets cover the surface once, and those
+/// visible from a direction have that direction's projected area.
 #[test]
 fn the_microfacets_of_ggx_cover_the_surface_once_from_every_direction() {
     const N: usize = 4096;
     const AROUND: usize = 128;
     for alpha in [0.1f32, 0.4, 1.0] {
         for nv in [0.2f32, 0.6, 0.95] {
-            // Half vectors by u = nh^2 and azimuth; D and V apart, as V(1, 1) is 1/4.
+            // Half vectors by u = nh^2 and azimuth; D and V are separated by V(1, 1) = 1/4.
             let cosines: Vec<f64> = (0..N)
                 .map(|i| {
-                    // Denser where the distribution is: its own inverse transform.
+                    // Samples are denser where the distribution is larger, by its inverse transform.
                     let xi = (i as f64 + 0.5) / N as f64;
                     ((1.0 - xi) / (1.0 + (f64::from(alpha).powi(2) - 1.0) * xi)).sqrt()
                 })
@@ -485,7 +485,7 @@ fn the_microfacets_of_ggx_cover_the_surface_once_from_every_direction() {
             let (mut area, mut seen) = (0.0, 0.0);
             for (nh, found) in cosines.iter().zip(&found) {
                 let (d, with_v) = (f64::from(found[0]), f64::from(found[1]));
-                // dw of one sample is 1 / (N D nh), with D of the 64-bit formula: any fault of the device's D shows.
+                // dw of one sample is 1 / (N D nh), with D of the 64-bit formula, so that any error of the device's D shows.
                 let exact = ggx(alpha.into(), *nh, 1.0, 1.0) * 4.0;
                 let weight = 1.0 / (N as f64 * exact * nh);
                 area += d * nh * weight;
@@ -533,8 +533,8 @@ fn a_brdf_is_lambert_for_dielectrics_and_ggx_with_the_base_colour_for_metals() {
     }
 }
 
-/// By the midpoints of rings and sectors: of a disk around the origin that faces +Z, the light that arrives at a point, and how much of
-/// the disk lies before the receiver's plane. Both of radiant intensity 1 along the normal.
+/// Light at a point from a disk around the origin that faces +Z, and the part of the disk in front of the receiver's plane, by
+/// the midpoints of rings and sectors. The disk has radiant intensity 1 along its normal.
 fn disk_by_parts(radius: f64, point: DVec3, normal: DVec3) -> (f64, f64) {
     const RINGS: usize = 300;
     let (mut light, mut before) = (0.0, 0.0);
@@ -556,7 +556,7 @@ fn disk_by_parts(radius: f64, point: DVec3, normal: DVec3) -> (f64, f64) {
 
 #[test]
 fn a_disk_shines_as_all_of_its_parts_do() {
-    // Receivers from a tenth of the radius away to a hundred radii, whichever way they face.
+    // Receivers from a tenth of the radius away to a hundred radii, with any normal.
     let cases = random_numbers(400).into_iter().map(|u| {
         let radius = 0.5f32;
         let far = radius * 0.2 * 500.0f32.powf(u[0]);
@@ -581,7 +581,7 @@ fn a_disk_shines_as_all_of_its_parts_do() {
             whole += 1;
             assert!((ratio - 1.0).abs() < 2e-3, "{point} {normal}: {} of {light}", found[0]);
         } else {
-            // A sphere stands for these.
+            // A sphere approximates disks that the receiver's plane cuts.
             cut.push((ratio - 1.0).abs());
         }
     }
@@ -595,12 +595,12 @@ fn a_disk_shines_as_all_of_its_parts_do() {
 
 #[test]
 fn what_a_disk_on_the_floor_sends_out_all_arrives_even_where_a_wall_cuts_it() {
-    // A box of 40 x 40 x 40 m whose wall x = 0 is so far from the centre of a disk of 1 m.
+    // A box of 40 x 40 x 40 m whose wall x = 0 is `far` metres from the centre of a disk of 1 m.
     for far in [0.05f32, 0.25, 0.5, 0.75, 1.0, 2.0, 5.0] {
         let center = Vec3::new(far, 0.0, 0.0);
         const N: usize = 400;
         let (mut inputs, mut areas) = (Vec::new(), Vec::new());
-        // Finer near the disk: x from 0, y (upwards) from 0, z around 0.
+        // Patches are finer near the disk: x from 0, y (upwards) from 0, z around 0.
         let grade = |i: usize| ((i as f64 + 0.5) / N as f64, 1.0 / N as f64);
         let from_zero = |i| {
             let (t, dt) = grade(i);
@@ -638,7 +638,7 @@ fn what_a_disk_on_the_floor_sends_out_all_arrives_even_where_a_wall_cuts_it() {
     }
 }
 
-/// Numbers in [0, 1), fixed.
+/// Pseudorandom numbers in [0, 1), the same in every run.
 fn random_numbers(count: usize) -> Vec<[f32; 4]> {
     let mut state = 0x853c_49e6_748f_ea9b_u64;
     let mut next = || {
@@ -650,8 +650,8 @@ fn random_numbers(count: usize) -> Vec<[f32; 4]> {
 
 #[test]
 fn spheroids_contain_where_ggx_lobes_may_shine_and_touch_it() {
-    // A lobe a case: alpha, incidence and reflectance; 48 directions of it, most about its peak. Where the lobe's range ends there
-    // must be inside of its bounds: nearer than 1 in the space that makes a unit sphere of them.
+    // One lobe per case: alpha, incidence and reflectance; 48 directions of it, most around its peak. The end of the lobe's
+    // range must be inside its bounds: nearer than 1 in the space in which they are a unit sphere.
     let body = "
         vec4 a = random(w.x, w.y, 1u, w.z), b4 = random(w.x, w.y, 2u, w.z), c4 = random(w.x, w.y, 4u, w.z);
         float alpha = LEAST * pow(1.0 / LEAST, a.x), ti = acos(1.0 - a.y * 0.9995), delta_xi = exp2(-20.0 * a.z);
@@ -675,8 +675,8 @@ fn spheroids_contain_where_ggx_lobes_may_shine_and_touch_it() {
             farthest = max(farthest, length(s) - 4e-7 * length(vec3(dot(abs(it.row0), abs(p)), dot(abs(it.row1), abs(p)), it.depth * abs(p.z))));
         }
         r.x = farthest;";
-    // The paper's roughnesses, and down to those that materials are held to, where single precision is at its end:
-    // tiles and bounding geometry allow for 2.4 % more.
+    // The paper's roughnesses, and those down to the least of materials, at the limit of single precision: tiles and bounding
+    // geometry allow for 2.4 % more.
     for (least, most) in [("0.02", 1.0005), ("0.001", 1.02)] {
         let found = numbers(&body.replace("LEAST", least), &random_numbers(100_000));
         let farthest = found.iter().map(|r| r[0]).fold(0.0, f32::max);

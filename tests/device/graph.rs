@@ -1,4 +1,4 @@
-//! What the frame graph refuses, and what the validation layer sees that the graph was not asked about.
+//! Refusals of the frame graph, and hazards that the validation layer sees without it.
 
 use crate::common::*;
 use manylight::gpu::{Accesses, Barrier, Bound, BufferId, Format, Stages, VertexLayout};
@@ -31,7 +31,7 @@ fn library(files: &[(&str, &str)]) -> Library {
     Library::from_sources(all)
 }
 
-/// Two dispatches of one submission, the second of which reads what the first writes.
+/// Two dispatches in one submission, the second of which reads the first one's output.
 fn write_then_read(ordered: bool) -> Vec<String> {
     let mut gpu = gpu();
     let mut library = library(&[("test/fill.comp", FILL), ("test/copy.comp", COPY)]);
@@ -78,7 +78,7 @@ fn the_barriers_of_a_frame_are_enough_for_synchronization_validation() {
     for (name, i) in [("first", 0), ("second", 1), ("third", 2)] {
         g.compute(name).shader("test/copy").reads("from", buffers[i]).writes("to", buffers[i + 1]).dispatch([64, 1, 1]);
     }
-    // Over what the chain has read: the write waits for the readers.
+    // The write to a buffer that the chain has read must wait for its readers.
     g.compute("again").shader("test/fill").writes("to", buffers[0]).dispatch([64, 1, 1]);
     let (last, again) = (g.read_back(buffers[3]), g.read_back(buffers[0]));
     for timing in [manylight::graph::Timing::Isolated, manylight::graph::Timing::Overlapped, manylight::graph::Timing::Serial] {
@@ -86,7 +86,7 @@ fn the_barriers_of_a_frame_are_enough_for_synchronization_validation() {
         assert_eq!(outcome.bytes(last), bytemuck::cast_slice::<u32, u8>(&[10; 64]), "{timing:?}");
         assert_eq!(outcome.bytes(again), bytemuck::cast_slice::<u32, u8>(&[7; 64]), "{timing:?}");
         assert_eq!(outcome.times.iter().map(|(pass, _)| *pass).collect::<Vec<_>>(), ["test/fill", "first", "second", "third", "again"]);
-        // On one clock, one after the other.
+        // Passes are on one clock, one after the other.
         assert_eq!((outcome.begins.len(), outcome.begins[0] < 1.0), (5, true), "{:?}", outcome.begins);
         for (i, next) in outcome.begins.iter().enumerate().skip(1) {
             let end = outcome.begins[i - 1] + outcome.times[i - 1].1;
@@ -170,7 +170,7 @@ fn a_part_brings_bindings_that_the_pass_declares() {
     finish(&engine.gpu);
 }
 
-/// Runs a frame that must be refused, and returns why it was.
+/// Runs a frame that must be refused. Returns the error.
 fn refused(engine: &mut Engine, what: &str, describe: impl FnOnce(&mut Graph)) -> String {
     let mut g = Graph::new();
     describe(&mut g);
@@ -434,7 +434,7 @@ fn a_vertex_layout_says_where_its_fields_lie() {
 
 fn raster(g: &mut Graph, outputs: [&'static str; 2], vertex: VertexLayout, image: impl Fn(&mut Graph) -> Image, nothing: BufferId) {
     let (a, b) = (image(g), g.image("other image", Format::Rgba16Float, [8, 8]));
-    // Nothing is drawn: the refusal comes before any command, so the geometry only has to be named.
+    // Nothing is drawn: the refusal comes before any command, so the geometry only needs names.
     let arguments = g.upload("arguments", &[0u32; 5]);
     let vertices = g.import_buffer::<Vertex>("vertices", nothing, 1);
     let indices = g.import_buffer::<u32>("indices", nothing, 1);
@@ -472,7 +472,7 @@ fn an_injected_loss_of_the_device_ends_in_its_exit_code_and_names_the_pass() {
         assert_eq!(exit_code(&error), Exit::DeviceLost, "{error:#}");
         assert!(format!("{error:#}").contains("test/copy"), "{timing:?}: {error:#}");
     }
-    // The fault was only said to have happened: without it the same frame runs.
+    // The fault was only simulated: without it the same frame runs.
     engine.gpu.inject(None);
     engine.execute(&g, &Execution::default()).unwrap();
     finish(&engine.gpu);

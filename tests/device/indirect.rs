@@ -1,4 +1,4 @@
-//! One bounce of indirect light against sums that know nothing of the engine.
+//! One bounce of indirect light against sums computed without the engine.
 
 use crate::common::*;
 use glam::{DQuat, DVec3, Vec3};
@@ -16,12 +16,12 @@ const ALBEDOS: [DVec3; 6] = [
     DVec3::new(0.3, 0.4, 0.9),
     DVec3::new(0.5, 0.5, 0.2),
 ];
-/// Map texels to a side.
+/// Side of the map, texels.
 const MAP: u32 = 128;
-/// Receivers nearer than this to another wall are at an edge, metres.
+/// Distance to another wall below which receivers count as at an edge, m.
 const EDGE: f64 = 0.5;
 
-/// A view from a corner of the turned room that shows floor, walls and some ceiling.
+/// A view from a corner of the turned room onto floor, walls and some ceiling.
 fn config(turn: DQuat, light: LightConfig, vpls: u32) -> Config {
     let turned = |v: DVec3| (turn * v).as_vec3();
     let mut config = plain([64, 64], turned(DVec3::new(3.6, 1.7, 4.6)), turned(DVec3::new(1.0, 1.2, 0.5)), 95.0, light);
@@ -30,7 +30,7 @@ fn config(turn: DQuat, light: LightConfig, vpls: u32) -> Config {
     config
 }
 
-/// Pixels away from edges: position, normal and irradiance.
+/// Position, normal and irradiance of pixels away from edges.
 fn receivers(picture: &Picture, walls: &[Wall]) -> Vec<(DVec3, DVec3, DVec3)> {
     let (positions, normals) = (picture.positions(), picture.normals());
     let irradiance: Vec<Vec3> = picture.irradiance.rgb().collect();
@@ -46,7 +46,7 @@ fn mean_error(pairs: &[(DVec3, DVec3)]) -> f64 {
     pairs.iter().map(|(found, expected)| ((*found - *expected).abs() / *expected).element_sum() / 3.0).sum::<f64>() / pairs.len() as f64
 }
 
-/// Compares a room under a light with the sum over its walls; `lit` is the walls' direct irradiance.
+/// Compares a room under a light with the sum over its walls; `lit` is their direct irradiance.
 fn compare(turn: DQuat, walls: &[Wall], light: LightConfig, lit: impl Fn(&Wall, DVec3) -> DVec3) {
     let mut renderer = renderer(room(walls));
     let every = picture(&mut renderer, &config(turn, light.clone(), MAP * MAP));
@@ -83,8 +83,8 @@ fn a_closed_box_under_a_spot_light_gets_the_one_bounce_light_that_its_walls_refl
     });
 }
 
-/// The back of a lid would keep the light out, so this box has none: what the sun reaches is what sees it through the opening.
-/// It is turned, so that the edges of the light do not fall along the rows of the samples, all on one side or the other.
+/// The box has no lid, whose back would stop the light: the sun reaches surfaces that see it through the opening. The box is
+/// turned, so that the light's edges do not coincide with rows of samples.
 #[test]
 fn an_open_box_under_the_sun_gets_the_one_bounce_light_that_its_walls_reflect() {
     let turn = DQuat::from_rotation_y(0.4);
@@ -100,7 +100,7 @@ fn an_open_box_under_the_sun_gets_the_one_bounce_light_that_its_walls_reflect() 
     let irradiance = DVec3::new(3.0, 2.5, 2.0);
     let light = directional(direction.as_vec3(), irradiance.as_vec3().into());
     compare(turn, &walls, light, |wall, y| {
-        // Back along the light to the height of the opening.
+        // The way back along the light, up to the height of the opening.
         let out = turn.inverse() * (y - direction * ((SIZE.y - y.y) / -direction.y));
         let seen = out.x > 0.0 && out.x < SIZE.x && out.z > 0.0 && out.z < SIZE.z;
         let cosine = (-direction.dot(wall.normal)).max(0.0);
@@ -112,7 +112,8 @@ fn an_open_box_under_the_sun_gets_the_one_bounce_light_that_its_walls_reflect() 
 fn interleaving_keeps_the_mean_of_every_block_of_its_pattern() {
     let walls = walls(SIZE, ALBEDOS);
     let mut renderer = renderer(room(&walls));
-    // The far half of the side wall: smooth light from the floor, far enough that a block's pixels see it from almost one place.
+    // The view is of the far half of the side wall: light from the floor is smooth there, and nearly equal over a block's
+    // pixels.
     let light = spot(Vec3::new(2.0, 2.8, 2.5), Vec3::new(0.0, -1.0, 0.0), [10.0; 3], 10.0, 35.0);
     let mut config = plain([128, 128], Vec3::new(3.5, 1.8, 2.5), Vec3::new(0.0, 1.8, 2.5), 30.0, light);
     config.rsm.size = [MAP, MAP];
@@ -157,7 +158,7 @@ fn the_least_distance_bounds_what_near_lights_give_and_no_others() {
     let receivers = receivers(&picture, &walls);
     let against = |nearest: f64| {
         let pairs = receivers.iter().step_by(11).map(|(x, n, found)| (*found, one_bounce(&walls, nearest, 96, *x, *n, lit)));
-        // Coplanar with all that is lit, the floor itself gets nothing.
+        // The floor is left out: it is coplanar with everything lit, and gets no light.
         mean_error(&pairs.filter(|(_, expected)| expected.min_element() > 1e-6).collect::<Vec<_>>())
     };
     let (bounded, free) = (against(1.5), against(0.0));
@@ -168,7 +169,7 @@ fn the_least_distance_bounds_what_near_lights_give_and_no_others() {
 #[test]
 fn the_back_of_a_single_sided_wall_stops_light_and_reflects_none() {
     for double_sided in [false, true] {
-        // A floor, and a wall across its middle that the sun shines on from behind.
+        // A floor, and a wall across its middle, lit by the sun from behind.
         let mut scene = Scene { name: "wall".into(), ..Scene::default() };
         let corner = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
         add_quad(

@@ -1,4 +1,4 @@
-//! Imperfect shadow maps: what is in them, that they stay the same, what they take, and how far they are from exact visibility.
+//! Imperfect shadow maps: content, repeatability, cost, and error against exact visibility.
 
 use crate::common::*;
 use glam::{Affine3A, Vec2, Vec3};
@@ -12,7 +12,7 @@ use manylight::scene::{Material, Scene};
 
 const RADIUS: f32 = 2.0;
 
-/// An icosahedron whose triangles are cut in four, five times over: 20,480, seen from inside.
+/// An icosahedron whose triangles are split in four, five times: 20,480 triangles, seen from inside.
 fn sphere(double_sided: bool) -> Scene {
     let mut triangles = icosahedron();
     for _ in 0..5 {
@@ -33,7 +33,7 @@ fn sphere(double_sided: bool) -> Scene {
     scene
 }
 
-/// Unit corners, counter-clockwise from outside: all triples of corners that are neighbours.
+/// Triangles of an icosahedron, counter-clockwise from outside: all triples of neighbouring corners.
 fn icosahedron() -> Vec<[Vec3; 3]> {
     let golden = 0.5 * (1.0 + 5f32.sqrt());
     let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
@@ -78,7 +78,7 @@ fn the_map_of_a_sphere_has_no_hole_and_the_spheres_radius() {
             let (mut holes, mut worst) = (0, 0f32);
             for (i, depth) in map.iter().enumerate() {
                 let p = (Vec2::new((i % side) as f32, (i / side) as f32) + 0.5) * (2.0 / side as f32) - 1.0;
-                // What is less than two degrees above the VPL's own surface casts no shadow.
+                // Occluders less than two degrees above the VPL's own surface cast no shadow.
                 if p.length() < 0.965 {
                     holes += u32::from(*depth == 1.0);
                     worst = worst.max((depth * far / RADIUS - 1.0).abs());
@@ -90,10 +90,10 @@ fn the_map_of_a_sphere_has_no_hole_and_the_spheres_radius() {
     }
 }
 
-/// Mean relative error of the distances in a VPL's map of a plane that runs away from it, and the share of its texels that are empty.
+/// Mean relative error of distances in a VPL's map of a plane that recedes from it, and the share of empty texels.
 fn slanted(normals: bool) -> (f32, f32) {
     let mut scene = Scene::default();
-    // From low over the VPL on the left, up and away to the right.
+    // The plane rises from low over the VPL on the left, up and away to the right.
     let corners = [[-1.0, 0.4, 4.0], [-1.0, 0.4, -4.0], [6.0, 3.9, -4.0], [6.0, 3.9, 4.0]].map(Vec3::from_array);
     add_quad(&mut scene, corners, Material { double_sided: true, ..matte([0.5; 3]) });
     let small = [[-0.05, 0.05], [0.05, 0.05], [0.05, -0.05], [-0.05, -0.05]].map(|[x, z]| Vec3::new(x, 0.0, z));
@@ -111,11 +111,11 @@ fn slanted(normals: bool) -> (f32, f32) {
     let (mut errors, mut holes) = (Vec::new(), 0);
     for (i, depth) in words(dumped(&rendered, "visibility/maps")).map(f32::from_bits).enumerate() {
         let p = (Vec2::new((i % 64) as f32, (i / 64) as f32) + 0.5) * (2.0 / 64.0) - 1.0;
-        // The axes of the VPL's space, whose normal is +Y: `basis_of` of glsl/lib/basis.glsl.
+        // The axes of the VPL's space, whose normal is +Y, as in `basis_of` of glsl/lib/basis.glsl.
         let w = Vec3::new(2.0 * p.x, 1.0 - p.length_squared(), -2.0 * p.y) / (1.0 + p.length_squared());
         let d = corners[0].dot(plane) / w.dot(plane);
         let at = w * d;
-        // Well inside of the plane's edges.
+        // Only texels well inside the plane's edges count.
         if d > 0.0 && at.x > -0.8 && at.x < 5.0 && at.z.abs() < 3.2 && p.length() < 0.95 {
             if depth == 1.0 {
                 holes += 1;
@@ -137,7 +137,7 @@ fn where_normals_are_kept_a_slanted_planes_map_runs_as_the_plane() {
     assert!(with < 0.001 && with < 0.1 * without && holes < 0.03, "off by {without} without, {with} with normals, {holes} of it holes");
 }
 
-/// Built-in scenes, small, as they are lit by themselves.
+/// A small built-in scene with its own light.
 fn builtin(builtin: Builtin) -> (Scene, Config) {
     let scene = SceneConfig { builtin: Some(builtin), triangles: 20_000, ..SceneConfig::default() };
     let mut config = Config { scene: scene.clone(), ..Config::default() };
@@ -160,7 +160,7 @@ fn bytes_repeat_whatever_the_points_and_the_renderer() {
     ] {
         let mut config = config.clone();
         (config.visibility.points, config.visibility.collect, config.visibility.renderer) = (points, collect, kind);
-        // Ties between points' normals are where their order could show.
+        // With normals, points may tie, and their order could show.
         config.visibility.normals = points == PointSet::Adaptive;
         let pass = if kind == IsmRenderer::Splat { "visibility/splat-distances" } else { "visibility/push-0" };
         let mut frame = |i| {
@@ -170,7 +170,7 @@ fn bytes_repeat_whatever_the_points_and_the_renderer() {
             (maps, picture.image, picture.irradiance.values)
         };
         let first = frame(0);
-        // A still scene: all ten pictures are the same.
+        // The scene is still: all ten pictures are equal.
         for i in 1..10 {
             assert!(frame(i) == first, "{points:?}, {collect:?}, {kind:?}: frame {i} differs");
         }
@@ -178,7 +178,8 @@ fn bytes_repeat_whatever_the_points_and_the_renderer() {
     finish(renderer.gpu());
 }
 
-/// relMSE of the indirect layer against exact visibility of the same VPLs, and the ratio of the mean luminances, over seeds.
+/// relMSE of the indirect layer against exact visibility of the same VPLs, and the ratio of mean luminances, averaged over
+/// seeds.
 fn against_rays(renderer: &mut Renderer, config: &Config, truth: &[[f32; 4]], seeds: u32) -> (f64, f64) {
     let (mut relmse, mut energy) = (0.0, 0.0);
     for seed in 0..seeds {
@@ -232,7 +233,7 @@ fn light_is_as_much_as_with_exact_visibility() {
         }
         let [uniform, adaptive, splats] = errors[..] else { unreachable!() };
         assert!(adaptive < uniform && uniform < splats, "{scene:?}: adaptive {adaptive}, uniform {uniform}, splats {splats}");
-        // What is left in the small atrium is where things touch, which no map of this size tells apart.
+        // The rest of the small atrium's error is at contacts, which maps of this size cannot resolve.
         if scene == Builtin::Cornell {
             assert!(uniform < 0.5 * splats, "{scene:?}: {uniform}, splats {splats}");
         }
@@ -275,7 +276,7 @@ fn more_points_and_then_larger_maps_are_nearer_to_exact_visibility() {
     }
     println!("points x1, x4, x16: {errors:?}");
     assert!(errors[0] > errors[1] && errors[1] > errors[2], "points x1, x4, x16: {errors:?}");
-    // A map of four times as many texels needs as many more points: with fewer the points are what limits it.
+    // A map of four times as many texels needs four times as many points; otherwise the points limit the error.
     config.visibility.point_count = base * 128;
     let mut errors = Vec::new();
     for size in [32, 64, 128] {
@@ -287,18 +288,18 @@ fn more_points_and_then_larger_maps_are_nearer_to_exact_visibility() {
     finish(renderer.gpu());
 }
 
-/// The thesis's figure 5.5: VPLs on a wall right behind a drape, in a room that is dark but for what leaks past it.
+/// The thesis's figure 5.5: VPLs on a wall right behind a drape, in a room otherwise lit only by leaks past it.
 fn drape() -> (Scene, Config) {
     let mut scene = Scene { name: "drape".into(), ..Scene::default() };
     let quad = |scene: &mut Scene, corners: [[f32; 3]; 4]| add_quad(scene, corners.map(Vec3::from_array), matte([0.7; 3]));
-    // Inwards: floor, ceiling, left, right, back and front.
+    // Faces of the room, inwards: floor, ceiling, left, right, back and front.
     quad(&mut scene, [[0.0, 0.0, 0.0], [0.0, 0.0, 6.0], [6.0, 0.0, 6.0], [6.0, 0.0, 0.0]]);
     quad(&mut scene, [[0.0, 4.0, 0.0], [6.0, 4.0, 0.0], [6.0, 4.0, 6.0], [0.0, 4.0, 6.0]]);
     quad(&mut scene, [[0.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 4.0, 6.0], [0.0, 0.0, 6.0]]);
     quad(&mut scene, [[6.0, 0.0, 0.0], [6.0, 0.0, 6.0], [6.0, 4.0, 6.0], [6.0, 4.0, 0.0]]);
     quad(&mut scene, [[0.0, 0.0, 0.0], [6.0, 0.0, 0.0], [6.0, 4.0, 0.0], [0.0, 4.0, 0.0]]);
     quad(&mut scene, [[0.0, 0.0, 6.0], [0.0, 4.0, 6.0], [6.0, 4.0, 6.0], [6.0, 0.0, 6.0]]);
-    // The drape, 30 cm before the back wall, in folds; open below.
+    // A folded drape, 30 cm before the back wall, open below.
     let mut mesh = Mesh::default();
     let (across, down) = (48, 24);
     let corner = |i: u32, j: u32| {
@@ -310,7 +311,7 @@ fn drape() -> (Scene, Config) {
     }
     let material = scene.add_material(Material { double_sided: true, ..matte([0.5; 3]) });
     scene.add_mesh(&mesh, material, &[Affine3A::IDENTITY]);
-    // Along the wall, from the side.
+    // The light shines along the wall from the side.
     let light = spot(Vec3::new(0.3, 2.6, 0.2), Vec3::new(1.0, -0.1, -0.07), [60.0; 3], 8.0, 20.0);
     let mut config = plain([96, 64], Vec3::new(5.0, 2.0, 5.5), Vec3::new(2.0, 1.2, 0.0), 70.0, light);
     config.vpls.count = 256;
@@ -327,7 +328,7 @@ fn adaptive_points_hold_light_back_that_shines_from_right_behind_a_drape() {
     let mut renderer = traced(host);
     let truth = truth(&mut renderer, &config);
     let mut found = Vec::new();
-    // The same number of points, and with one map a point, of those drawn too.
+    // Points are compared at equal numbers in total and, with one map per point, at equal numbers drawn.
     for (points, collected) in [(PointSet::Uniform, None), (PointSet::Adaptive, None), (PointSet::Adaptive, Some(1))] {
         (config.visibility.points, config.visibility.collected) = (points, collected);
         let (relmse, energy) = against_rays(&mut renderer, &config, &truth, 3);

@@ -1,4 +1,4 @@
-//! Sequences of frames: what goes on from frame to frame, and what ends it.
+//! Sequences of frames: state that continues from frame to frame, and events that end it.
 
 use crate::common::*;
 use glam::{DVec3, Vec3};
@@ -6,7 +6,7 @@ use manylight::config::{Config, LightConfig, VisibilityMethod, VplSampler};
 use manylight::graph::Execution;
 use manylight::renderer::{Lane, Rendered, Renderer};
 
-/// Clusters of VPLs in a box, which k-means settles over frames.
+/// Clusters of VPLs in a box, found by k-means over frames.
 fn clustered() -> (Renderer, Config) {
     let renderer = renderer(room(&walls(DVec3::new(4.0, 3.0, 5.0), [DVec3::splat(0.5); 6])));
     let light = LightConfig::Point { position: [2.0, 1.5, 2.0], intensity: [1.0; 3], keyframes: Vec::new() };
@@ -35,7 +35,7 @@ fn an_edited_camera_or_exposure_keeps_history_and_a_cut_drops_it() {
     let mut lane = Lane::new();
     let first = rounds(&shoot(&mut renderer, &mut lane, &config, 0));
     assert!(first > 1, "the first frame's clusters are to be found");
-    // The same lights: k-means finds its centres where it left them.
+    // Lights are the same: k-means finds its centres unchanged.
     if let Some(camera) = &mut config.camera {
         camera.position = Some([1.5, 1.2, 4.0]);
     }

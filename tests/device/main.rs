@@ -1,4 +1,4 @@
-//! What the engine does on a device: the software driver, with the validation layer and its synchronization validation on.
+//! Tests of the engine on the software driver, with the validation layer and its synchronization validation on.
 
 mod animation;
 mod bounce;

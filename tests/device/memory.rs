@@ -1,4 +1,4 @@
-//! Memory of the device: given, taken back, and given again.
+//! Device memory: allocated, freed, and reused.
 
 use crate::common::*;
 use manylight::gpu::{Format, ImageDesc};

@@ -1,4 +1,4 @@
-//! Points of imperfect shadow maps from triangles: by the tessellator and by a compute pass.
+//! Points of imperfect shadow maps on triangles, by the tessellator and by a compute pass.
 
 use crate::common::*;
 use glam::{Vec2, Vec3};
@@ -9,7 +9,7 @@ use manylight::scene::pack::octahedral_inverse;
 use manylight::scene::source::load_scene;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A point as the buffers hold it: `glsl/visibility/point.glsl`.
+/// A point as in the buffers, by `glsl/visibility/point.glsl`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Point {
     position: Vec3,
@@ -22,7 +22,7 @@ impl Point {
         octahedral_inverse((Vec2::new((self.packed & 1023) as f32, (self.packed >> 10 & 1023) as f32) - 512.0) / 511.0)
     }
 
-    /// Normal, radius and sides, as far as packing tells them apart.
+    /// Whether normal, radius and sides agree up to their packing.
     fn looks_like(&self, other: &Self) -> bool {
         let radii = [self, other].map(|point| (point.packed >> 20 & 2047) as i32);
         self.normal().distance(other.normal()) < 0.01 && (radii[0] - radii[1]).abs() <= 1 && self.packed >> 31 == other.packed >> 31
@@ -58,7 +58,7 @@ fn points(renderer: &mut Renderer, config: &Config) -> Vec<Point> {
     all
 }
 
-/// The pool that adaptive points are drawn from, as far as it holds points, and the points that the VPLs' maps got of it.
+/// The pool of points that adaptive maps draw from, without its empty places, and the points drawn for the VPLs' maps.
 fn pool(renderer: &mut Renderer, config: &Config) -> (Vec<Point>, Vec<Point>) {
     let mut config = config.clone();
     config.visibility.points = PointSet::Adaptive;
@@ -72,7 +72,7 @@ fn pool(renderer: &mut Renderer, config: &Config) -> (Vec<Point>, Vec<Point>) {
     (pool, all("visibility/points", drawn))
 }
 
-/// One triangle so large that it is cut into parts before it is tessellated.
+/// Triangles so large that they are split before tessellation.
 fn huge() -> Scene {
     let mut scene = Scene::default();
     add_quad(
@@ -111,7 +111,7 @@ fn both_ways_of_collecting_make_the_same_points() {
         println!("{name}: {} computed, {} tessellated", computed.len(), tessellated.len());
         assert_eq!(computed.len(), tessellated.len(), "{name}");
         assert_eq!(by_compute, by_tessellator, "{name}: points of each partition");
-        // Every point has its twin in the same partition.
+        // Every point has a twin in the same partition.
         let extent = renderer.world().device().bounds.size().length();
         let mut partitions: BTreeMap<usize, Vec<Point>> = BTreeMap::new();
         computed.iter().for_each(|point| partitions.entry(point.partition).or_default().push(*point));
@@ -125,7 +125,7 @@ fn both_ways_of_collecting_make_the_same_points() {
 
 #[test]
 fn small_triangles_are_thinned_for_adaptive_points_as_for_uniform_ones() {
-    // Far more triangles than points.
+    // The scene has far more triangles than points.
     let scene = SceneConfig { builtin: Some(Builtin::Atrium), triangles: 20_000, ..SceneConfig::default() };
     let mut renderer = renderer(load_scene(&scene).unwrap().0);
     let mut config = config(2_000);

@@ -1,4 +1,4 @@
-//! The path tracer against closed forms, against the rasterized frame, and against itself.
+//! The path tracer against closed forms, the rasterized frame, and itself.
 
 use crate::common::*;
 use glam::{Affine3A, DVec3, Vec2, Vec3};
@@ -26,12 +26,12 @@ fn scene_of(quads: &[([Vec3; 4], Material)]) -> Scene {
     scene
 }
 
-/// A square of a side of `2 r` about a point, facing up.
+/// A square of side `2 r` around a point, facing up.
 fn floor(center: Vec3, r: f32) -> [Vec3; 4] {
     [[-r, r], [r, r], [r, -r], [-r, -r]].map(|[x, z]| center + Vec3::new(x, 0.0, z))
 }
 
-/// All six walls of a box emit E and reflect `albedo`: E / (1 - albedo) everywhere.
+/// All six walls of a box emit E and reflect `albedo`: radiance is E / (1 - albedo) everywhere.
 #[test]
 fn a_furnace_glows_by_its_closed_form() {
     for (albedo, bounces_traced) in [(0.5f32, 12), (0.7, 24), (0.9, 60)] {
@@ -70,7 +70,7 @@ fn light_of_each_kind_arrives_as_its_unit_says() {
         ("slanted", vec![directional(slanted, [5.0, 6.0, 7.0])], 4.0 * per_pi),
         ("spot", vec![spot_at(0.0)], 5.0 / 4.0 * per_pi),
         ("point", vec![point], 5.0 / 4.0 * per_pi),
-        // Half way down the falloff, 30 degrees off the axis.
+        // The middle of the falloff, 30 degrees off the axis.
         ("falloff", vec![spot_at(2.0 * 30f32.to_radians().tan())], 5.0 * 0.5 * 30f64.to_radians().cos().powi(3) / 4.0 * per_pi),
         ("environment", vec![LightConfig::Environment { radiance: [5.0, 6.0, 7.0] }], 5.0 * f64::from(albedo)),
     ];
@@ -90,10 +90,10 @@ fn light_of_each_kind_arrives_as_its_unit_says() {
     finish(renderer.gpu());
 }
 
-/// A small square lamp over a floor, both ways that it can be found weighed together: the form factor times its radiance.
+/// A small square lamp over a floor, with both sampling strategies combined: the form factor times its radiance.
 #[test]
 fn an_emitting_surface_lights_by_its_form_factor() {
-    // Facing down: the floor's square upside down.
+    // The lamp is the floor's square flipped to face down.
     let r = 0.5f32;
     let mut lamp = floor(Vec3::new(0.0, 2.0, 0.0), r);
     lamp.reverse();
@@ -103,7 +103,7 @@ fn an_emitting_surface_lights_by_its_form_factor() {
         let config = plain([8, 8], Vec3::new(0.0, 1.0, 0.6), Vec3::new(0.0, 0.0, 0.0), 2.0, no_light());
         let sums = reference(&mut renderer, &config, bounces(0), 512);
         finish(renderer.gpu());
-        // Below the middle of a square: four times the form factor of a quarter.
+        // Below the middle of a square, the form factor is four times that of a quarter.
         let a = f64::from(r) / 2.0;
         let quarter = 2.0 / std::f64::consts::TAU * (a / (1.0 + a * a).sqrt() * (a / (1.0 + a * a).sqrt()).atan());
         let expected = 0.5 * 3.0 * 4.0 * quarter;
@@ -115,7 +115,7 @@ fn an_emitting_surface_lights_by_its_form_factor() {
     }
 }
 
-/// A texture of two columns, one of them a hole.
+/// A texture of two columns, one of which is a hole.
 fn half_open() -> (Scene, Material) {
     let mut scene = Scene::default();
     let texels = [[255, 255, 255, 255], [255, 255, 255, 0]].concat();
@@ -137,7 +137,7 @@ fn the_holes_of_a_glowing_surface_do_not_glow() {
     let config = plain([8, 8], Vec3::new(0.0, 1.0, 0.6), Vec3::ZERO, 2.0, no_light());
     let sums = reference(&mut renderer, &config, bounces(0), 1024);
     finish(renderer.gpu());
-    // Half of what the whole square gives below its middle.
+    // Half the light of the whole square, below its middle.
     let a = 0.25f64;
     let quarter = 2.0 / std::f64::consts::TAU * (a / (1.0 + a * a).sqrt() * (a / (1.0 + a * a).sqrt()).atan());
     let (found, expected) = (mean(&sums.mean(Sum::Direct), |_| true), 0.5 * 3.0 * 2.0 * quarter);
@@ -149,7 +149,7 @@ fn the_holes_of_a_glowing_surface_do_not_glow() {
 fn rays_pass_through_masked_texels_and_stop_at_the_others() {
     let (mut scene, material) = half_open();
     add_quad(&mut scene, floor(Vec3::ZERO, 2.0), matte([0.5; 3]));
-    // A canopy that is open where u > 1/2: the side of positive x.
+    // A canopy, open where u > 1/2, at positive x.
     let mut mesh = Mesh::default();
     mesh.quad(floor(Vec3::new(0.0, 1.0, 0.0), 2.0), [Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::new(1.0, 0.0), Vec2::ZERO]);
     let canopy = scene.add_material(material);
@@ -160,7 +160,7 @@ fn rays_pass_through_masked_texels_and_stop_at_the_others() {
     let tracer = Tracer::new(&mut renderer, &config, bounces(0), None).unwrap();
     let heights: Vec<f32> = tracer.features(&mut renderer).unwrap().positions.iter().map(|p| p[1]).collect();
     let sums = reference(&mut renderer, &config, bounces(0), 16);
-    // From above the floor is seen through the holes, lit through them; from below the canopy's shadow is half as wide.
+    // From above, the floor is seen and lit through the holes. From below the canopy, it is lit under the holes and dark elsewhere.
     for y in 0..16 {
         for x in [10usize, 14, 17, 21] {
             let expected = if x < 16 { 1.0 } else { 0.0 };
@@ -194,7 +194,7 @@ fn the_camera_looks_through_the_back_of_a_single_sided_wall_and_light_ends_there
         let middle = features.positions[4 * 8 + 4];
         assert_eq!(middle[1], if double_sided { 1.0 } else { 0.0 }, "the camera sees a height of {}", middle[1]);
         let direct = mean(&sums.mean(Sum::Direct), |_| true);
-        // The lid's back is lit where it is a surface, and shadows the floor either way.
+        // The lid's back is lit if it is double-sided, and shadows the floor in any case.
         assert_eq!(direct > 0.0, double_sided, "direct light of {direct}");
     }
 }
@@ -202,7 +202,7 @@ fn the_camera_looks_through_the_back_of_a_single_sided_wall_and_light_ends_there
 #[test]
 fn what_the_middle_of_a_pixel_shows_is_what_the_rasterizer_draws() {
     let mut scene = builtin::atrium(&Atrium { triangles: 20_000, seed: 0 });
-    // Leaves have other holes in the rasterizer's mips.
+    // Leaves are made opaque, since their holes differ in the rasterizer's mips.
     scene.materials.iter_mut().for_each(|material| material.alpha_cutoff = None);
     let mut renderer = traced(scene);
     let mut config =
@@ -217,7 +217,7 @@ fn what_the_middle_of_a_pixel_shows_is_what_the_rasterizer_draws() {
     let (mut same, mut normals_same) = (0, 0);
     for i in 0..positions.len() {
         let ([nx, ny, nz, z], [x, y, z_world, surface]) = (features.normals_and_distances[i], features.positions[i]);
-        // The rasterizer moves corners by up to a 256th of a pixel, which slanted surfaces turn into distance.
+        // The rasterizer moves corners by up to 1/256 of a pixel, which is a distance on slanted surfaces.
         let near = (z - distances[i]).abs() < 1e-3 * (1.0 + z) && (surface > 0.0) == (distances[i] > 0.0);
         if near && (surface == 0.0 || positions[i].distance(Vec3::new(x, y, z_world)) < 1e-3 * (1.0 + z)) {
             same += 1;
@@ -226,12 +226,12 @@ fn what_the_middle_of_a_pixel_shows_is_what_the_rasterizer_draws() {
     }
     let (share, of_normals) = (f64::from(same) / positions.len() as f64, normals_same as f64 / f64::from(same));
     println!("{:.2} % of the pixels show the same place, {:.2} % of these the same normal", share * 100.0, of_normals * 100.0);
-    // Normal maps are filtered in the rasterizer.
+    // The rasterizer filters normal maps.
     assert!(share > 0.995, "only {share} of the pixels show the same place");
     assert!(of_normals > 0.9, "only {of_normals} of the normals are the same");
 }
 
-/// One bounce in an empty box, from all texels of the map, without a visibility test: nothing hides anything.
+/// One bounce in an empty convex box, from all texels of the map: no visibility test is needed.
 #[test]
 fn one_bounce_vpls_in_an_empty_box_are_the_path_tracers_first_bounce() {
     const EDGE: f32 = 0.5;
@@ -269,7 +269,8 @@ fn one_bounce_vpls_in_an_empty_box_are_the_path_tracers_first_bounce() {
     assert!(relative < 0.002, "relative MSE {relative}");
 }
 
-/// Every texel of a 128 x 128 map, seen by rays, against the first bounce; both with the least distance, and without.
+/// Ray-traced VPLs of all texels of a 128 x 128 map against the first bounce; the reference is traced with and without the
+/// least distance.
 fn compare_ray_traced(name: &str, renderer: &mut Renderer, config: &mut Config, samples: u32) {
     config.rsm.size = [128, 128];
     config.vpls.count = 128 * 128;
@@ -286,7 +287,7 @@ fn compare_ray_traced(name: &str, renderer: &mut Renderer, config: &mut Config, 
     println!("{name}: VPLs by rays to paths, both bounded at 0.3 m: {ratio:.4}; the bound leaves {cost:.4} of the light");
     assert!((ratio - 1.0).abs() < 0.02, "{name}: the VPLs' light is {ratio} of the paths'");
     assert!(cost < 1.0 && cost > 0.6, "{name}: the bound leaves {cost}");
-    // And it hides something: without the test there is more light.
+    // Visibility matters: without the test there is more light.
     config.visibility.method = VisibilityMethod::None;
     let open = picture(renderer, config);
     let open: Vec<[f32; 4]> = (0..open.depth.values.len()).map(|i| open.indirect.at(i)).collect();
@@ -305,7 +306,7 @@ fn all_texels_seen_by_rays_are_the_first_bounce_in_the_cornell_box() {
 #[test]
 fn all_texels_seen_by_rays_are_the_first_bounce_in_the_atrium() {
     let mut scene = builtin::atrium(&Atrium { triangles: 20_000, seed: 0 });
-    // The lanterns are no business of the map's.
+    // The map does not see the lanterns' light.
     scene.materials.iter_mut().for_each(|material| material.emission = [0.0; 3]);
     let mut renderer = traced(scene);
     let light = directional(Vec3::new(0.22, -1.0, 0.3), [22.0, 20.5, 18.0]);
@@ -314,7 +315,7 @@ fn all_texels_seen_by_rays_are_the_first_bounce_in_the_atrium() {
     finish(renderer.gpu());
 }
 
-/// Direct light by a shadow map of many texels, and single comparisons.
+/// Direct light by a shadow map of high resolution, with single comparisons.
 fn mapped(renderer: &mut Renderer, config: &mut Config) -> Vec<[f32; 4]> {
     config.direct.shadows = Shadows::PercentageCloser;
     config.direct.blur = 0;
@@ -346,7 +347,7 @@ fn direct_light_is_the_path_tracers() {
         let ratio = mean(&found, |_| true) / mean(&truth, |_| true);
         println!("{name}: direct light by rays is {ratio:.4} of the path tracer's");
         assert!((ratio - 1.0).abs() < 0.01, "{name}: the direct light is {ratio} of the path tracer's");
-        // By the map, it differs at the edges of shadows alone: where both are lit, it is the same.
+        // With the map, only edges of shadows differ: pixels lit in both are equal.
         let mapped = mapped(&mut renderer, &mut config);
         let lit = |i: usize| truth[i][..3].iter().sum::<f32>() > 0.0 && mapped[i][..3].iter().sum::<f32>() > 0.0;
         let of_lit = mean(&mapped, lit) / mean(&truth, lit);
@@ -366,7 +367,7 @@ fn the_error_halves_with_four_times_the_samples_and_the_variance_says_so() {
     let mut config = plain([48, 48], Vec3::new(0.0, 2.74, 10.9), Vec3::new(0.0, 2.74, 0.0), 37.0, light);
     let mut errors = Vec::new();
     for samples in [16, 64, 256, 1024] {
-        // Two runs of different seeds differ by the square root of two of what each is off by.
+        // Two runs of different seeds differ by the square root of two times the error of each.
         let [one, other] = [1, 2].map(|seed| {
             config.frame.seed = seed;
             reference(&mut renderer, &config, bounces(2), samples)
@@ -400,7 +401,7 @@ fn paths_are_the_same_however_the_work_is_cut_up() {
         }
         assert!(tracer.sums(&mut renderer).unwrap() == whole, "{rows} rows at once give other sums");
     }
-    // Stopped, brought to the host, and gone on from.
+    // A run is stopped, read back, and resumed.
     let half = reference(&mut renderer, &config, bounces(2), 2);
     let mut tracer = Tracer::new(&mut renderer, &config, bounces(2), Some(&half)).unwrap();
     for _ in 0..4 {
@@ -409,7 +410,7 @@ fn paths_are_the_same_however_the_work_is_cut_up() {
     assert!(tracer.sums(&mut renderer).unwrap() == whole, "a resumed run differs from one that was not stopped");
     config.frame.seed = 1;
     assert!(reference(&mut renderer, &config, bounces(2), 6) != whole, "another seed takes other paths");
-    // More bounces leave those before as they are.
+    // More bounces leave earlier ones unchanged.
     config.frame.seed = 0;
     let more = reference(&mut renderer, &config, bounces(3), 6);
     finish(renderer.gpu());

@@ -1,4 +1,4 @@
-//! The same run gives the same picture, however it is watched and timed.
+//! Repeatability: the same run gives the same picture, in any timing mode and with any checks.
 
 use crate::common::*;
 use glam::Vec3;
@@ -24,7 +24,7 @@ fn cornell() -> Renderer {
     renderer(load_scene(&config().scene).unwrap().0)
 }
 
-/// The bytes of the files that a picture becomes.
+/// Bytes of the files that a picture is written to.
 fn files(picture: &Picture) -> [Vec<u8>; 2] {
     let folder = tempfile::tempdir().unwrap();
     let (png, exr) = (folder.path().join("image.png"), folder.path().join("image.exr"));
@@ -129,37 +129,36 @@ fn a_number_that_is_not_finite_is_found_in_the_first_pass_that_makes_it() {
     assert_eq!((first.0, first.1.as_str()), ("gbuffer/draw", "gbuffer/emission"));
     let covered = rendered.picture.unwrap().depth.values.iter().filter(|depth| **depth > 0.0).count();
     assert_eq!(first.2 as usize, covered);
-    // What is too bright for its image is stored as the brightest number there is, so that it goes no farther.
+    // Values too bright for an image's format are stored as its largest number, so that infinities do not spread.
     assert!(rendered.non_finite.iter().all(|(pass, ..)| *pass == "gbuffer/draw"), "{:?}", rendered.non_finite);
     finish(renderer.gpu());
 }
 
-/// Stamps on the device and the host's clock around single submissions must tell the same story, pass by pass: a stamp that
-/// takes effect late charges a pass's work to the one after it.
+/// Timestamps on the device must agree, pass by pass, with the host's clock around single submissions. A timestamp that takes
+/// effect late charges a pass's work to the next one.
 #[test]
 fn isolated_and_serial_timing_agree_pass_by_pass() {
-    // Without the validation layer, whose own work would be in the host's times; the frames are watched by it in the tests above.
+    // The validation layer is off, since its work would be in the host's times. Other tests validate these frames.
     let options = Options { device: DeviceChoice::Cpu, validate: false };
     let mut renderer = Renderer::open(&options, load_scene(&config().scene).unwrap().0, Needs::default()).unwrap();
     let mut config = config();
     config.frame.size = [256, 192];
     config.gather.interleave = 1;
-    // Beside other tests the machine may be busy with one mode and idle with the other: what is wrong with the stamps is wrong
-    // in every attempt.
+    // Other tests may load the machine in one mode and not in the other. A fault of the timestamps shows in every attempt.
     let found: Vec<String> = (0..4).map_while(|_| disagreement(&mut renderer, &config)).collect();
     assert!(found.len() < 4, "{}", found.join("; "));
 }
 
-/// Which pass, by its medians over some frames, the two modes see differently; `None` where they agree on all.
+/// The first pass whose medians over some frames differ between the modes; `None` if all agree.
 fn disagreement(renderer: &mut Renderer, config: &Config) -> Option<String> {
     let mut samples: [Vec<Vec<f64>>; 2] = Default::default();
     let mut names = Vec::new();
-    // Alternating, so that whatever else the machine does meets both.
+    // Modes alternate, so that other load on the machine affects both.
     for round in 0..6 {
         for (timing, samples) in [Timing::Isolated, Timing::Serial].into_iter().zip(&mut samples) {
             let times = renderer.render(config, 0, false, &Execution { timing, ..Execution::default() }).unwrap().times;
             names = times.iter().map(|(name, _)| *name).collect();
-            // The first makes pipelines and lets the driver compile.
+            // The first round makes pipelines and lets the driver compile.
             if round > 0 {
                 samples.push(times.iter().map(|(_, ms)| *ms).collect());
             }

@@ -1,16 +1,16 @@
-//! Directions drawn from a surface's reflection: their energy, and that they fall as densely as they claim.
+//! Directions sampled from a surface's reflection: their energy, and their density against the claimed one.
 
 use crate::functions::{ggx, numbers};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Evenly over the unit square, in an order that no grid has (Roberts's R2 sequence, shifted by the third number's own).
+/// Low-discrepancy points in the unit cube (Roberts's R3 sequence, shifted by one half).
 fn points(count: usize) -> Vec<[f64; 3]> {
     const ROOT: f64 = 1.220_744_084_605_759_5;
     (0..count).map(|i| [1.0, 2.0, 3.0].map(|power: f64| (0.5 + i as f64 / ROOT.powf(power)).fract())).collect()
 }
 
-/// What a metal of base colour 1 reflects in all, from its BRDF: Fresnel's term is 1, so this is what single scattering leaves.
+/// Albedo of a metal of base colour 1, by its BRDF. Fresnel's term is 1, so it is the energy that single scattering keeps.
 fn single_scattering(alpha: f64, nv: f64) -> f64 {
     const N: usize = 4096;
     const AROUND: usize = 512;
@@ -55,7 +55,7 @@ fn what_the_sampler_of_ggx_loses_is_what_single_scattering_loses() {
     }
 }
 
-/// Pearson's test, in bins of equal solid angle over the hemisphere; what lies below is a bin of its own.
+/// Pearson's chi-square test in bins of equal solid angle over the hemisphere; directions below are one bin.
 #[test]
 fn directions_fall_as_densely_as_the_sampler_claims() {
     const HEIGHTS: usize = 16;
@@ -70,7 +70,7 @@ fn directions_fall_as_densely_as_the_sampler_claims() {
         (0.4, 0.5, false, 0.6),
         (0.0, 0.4, true, 0.7),
     ] {
-        // Real random numbers: evenly spread ones would fit too well to tell.
+        // Pseudorandom numbers: a low-discrepancy sequence would fit too well for the test.
         let mut state = 9u32;
         let mut random = || {
             state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
@@ -91,7 +91,7 @@ fn directions_fall_as_densely_as_the_sampler_claims() {
             let [x, y, z] = [l[0], l[1], l[2]].map(f64::from);
             if z > 0.0 { counts[bin(x, y, z)] += 1.0 } else { below += 1.0 }
         }
-        // The claimed density, integrated over each bin from the device's own function.
+        // The claimed density, integrated over each bin with the device's own function.
         let mut places = Vec::new();
         for i in 0..HEIGHTS * FINE {
             for k in 0..AROUND * FINE / 4 {
@@ -110,13 +110,13 @@ fn directions_fall_as_densely_as_the_sampler_claims() {
         let claimed: f64 = expected.iter().sum();
         let mut bins: Vec<(f64, f64)> = counts.into_iter().zip(expected).collect();
         bins.push((below, (COUNT as f64 - claimed).max(0.0)));
-        // Bins too empty to tell are one.
+        // Bins with too few expected samples are pooled.
         let (full, rare): (Vec<_>, Vec<_>) = bins.into_iter().partition(|(_, expected)| *expected >= 8.0);
         let pooled = rare.iter().fold((0.0, 0.0), |sum, bin| (sum.0 + bin.0, sum.1 + bin.1));
         let square = |(count, expected): &(f64, f64)| (count - expected).powi(2) / expected.max(1.0);
         let chi_square = full.iter().map(square).sum::<f64>() + square(&pooled);
         let freedom = full.len() as f64;
-        // Of a right sampler one in some ten thousand is beyond this (Wilson and Hilferty 1931).
+        // A correct sampler exceeds this limit about once in ten thousand runs (Wilson and Hilferty 1931).
         let limit = freedom * (1.0 - 2.0 / (9.0 * freedom) + 3.8 * (2.0 / (9.0 * freedom)).sqrt()).powi(3);
         println!("metallic {metallic}, roughness {roughness}: chi-square {chi_square:.0} of {freedom} bins, the limit is {limit:.0}");
         assert!(full.len() > 20 && chi_square < limit, "metallic {metallic}, roughness {roughness}: {chi_square} of {freedom}");

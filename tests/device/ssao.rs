@@ -1,4 +1,4 @@
-//! Screen-space ambient occlusion against what can be worked out by hand.
+//! Screen-space ambient occlusion against results computed by hand.
 
 use crate::common::*;
 use glam::{DVec3, Vec3};
@@ -21,7 +21,7 @@ fn config(position: Vec3, target: Vec3) -> Config {
     config
 }
 
-/// The share that each pixel sees, row by row, and the pixels' positions.
+/// Visible share of each pixel, row by row, and the pixels' positions.
 fn shares(renderer: &mut Renderer, config: &Config) -> (Vec<f32>, Vec<Vec3>) {
     let rendered = dump(renderer, config, 0, &["ssao/share"]);
     let shares = Plane::decode(Format::R32Float, dumped(&rendered, "ssao/visible")).values;
@@ -49,13 +49,13 @@ fn a_plane_is_not_occluded_near_or_far_or_at_a_grazing_view() {
     finish(renderer.gpu());
 }
 
-/// What a point of the floor sees, weighted by the cosine, at a distance from a wall that is seen as far as the radius, by rays.
+/// Cosine-weighted visibility of a floor point at a distance from a wall that occludes up to the radius, by rays.
 fn corner_share(distance: f64, radius: f64) -> f64 {
     let n = 400;
     let mut seen = 0.0;
     for i in 0..n {
         for j in 0..n {
-            // Cosine-weighted directions; the wall is at x = 0, behind it all is hidden.
+            // Cosine-weighted directions. The wall is at x = 0 and hides everything behind it.
             let (u, phi) = ((f64::from(i) + 0.5) / f64::from(n), 2.0 * PI * (f64::from(j) + 0.5) / f64::from(n));
             let direction = DVec3::new(u.sqrt() * phi.cos(), (1.0 - u).sqrt(), u.sqrt() * phi.sin());
             let t = distance / -direction.x;

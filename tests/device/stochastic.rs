@@ -1,4 +1,4 @@
-//! Stochastic light culling: glossy VPLs, ranges by chance, and the ways to cull by them.
+//! Stochastic light culling: glossy VPLs, stochastic ranges, and culling by them.
 
 use crate::common::*;
 use glam::{Affine3A, DVec3, Vec2, Vec3};
@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
-/// Metal things on a floor, every texel of a small map two VPLs.
+/// Metal objects on a floor; each texel of a small map is two VPLs.
 fn metal(roughness: f32) -> (Scene, Config) {
     let scene = SceneConfig { builtin: Some(Builtin::Caustics), triangles: 8_190, roughness, ..SceneConfig::default() };
     let mut config = Config { scene, ..Config::default() };
@@ -42,7 +42,7 @@ fn stochastic(config: &mut Config) {
     config.filter.kind = manylight::config::FilterKind::None;
 }
 
-/// No chance, no least distance, rays for shadows: what is left is the light of all VPLs.
+/// Without stochastic ranges and least distance, with ray-traced shadows: the result is the light of all VPLs.
 fn exact(config: &mut Config) {
     config.gather.interleave = 1;
     config.gather.min_distance = 0.0;
@@ -50,14 +50,14 @@ fn exact(config: &mut Config) {
     config.visibility.method = VisibilityMethod::RayTraced;
 }
 
-/// The mean indirect radiance of pixels that show a surface at a place that is chosen.
+/// Mean indirect radiance of the surfaces at chosen places.
 fn light(renderer: &mut Renderer, config: &Config, chosen: impl Fn(DVec3) -> bool) -> f64 {
     let picture = picture(renderer, config);
     let found: Vec<[f32; 4]> = (0..picture.positions().len()).map(|i| picture.indirect.at(i)).collect();
     mean_of_surfaces(&picture, &found, chosen)
 }
 
-/// The same by so many paths a pixel of one bounce.
+/// The mean of [`light`] by the path tracer, with one bounce and this many paths per pixel.
 fn light_of_paths(renderer: &mut Renderer, config: &Config, samples: u32, chosen: impl Fn(DVec3) -> bool) -> f64 {
     let settings = Settings { min_distance: config.gather.min_distance, ..centered(1) };
     let expected = reference(renderer, config, settings, samples).mean(Sum::Bounce(1));
@@ -72,12 +72,12 @@ fn mean_of_surfaces(picture: &Picture, light: &[[f32; 4]], chosen: impl Fn(DVec3
     mean(light, |i| picture.depth.at(i)[0] > 0.0 && chosen(positions[i].as_dvec3()))
 }
 
-/// Whether a place in a room so large is before its wall at z = 0, and away from edges, where the light of single texels is a spot.
+/// Whether a place in a room of this size is off its wall at z = 0 and away from edges, where single texels light spots.
 fn away_from_edges(x: DVec3, size: DVec3) -> bool {
     x.z > 0.3 && [x, size - x].iter().flat_map(|d| d.to_array()).filter(|d| *d < 0.3).count() <= 1
 }
 
-/// Pixels that differ by more than sums in other orders and halves do.
+/// Number of pixels that differ by more than the order of sums and rounding to halves explain.
 fn apart(a: &[Vec3], b: &[Vec3]) -> usize {
     a.iter().zip(b).filter(|(a, b)| (**a - **b).abs().max_element() > 2e-3 * a.max_element().max(b.max_element()) + 1e-5).count()
 }
@@ -110,7 +110,7 @@ fn culling_loses_nothing_whatever_bounds_it_by_and_whoever_culls() {
         let way = if by_extension { "extension" } else { "geometry-shader" };
         assert_eq!(renderer.choices(&config), BTreeMap::from([("gather.rasterization", way.into())]));
         if !by_extension {
-            // Past the test harness, which keeps the output of passing tests to itself.
+            // Written directly, since the test harness hides the printed output of passing tests.
             writeln!(std::io::stderr(), "SKIPPED in part: {} does not rasterize conservatively by itself", renderer.gpu().adapter.name)
                 .unwrap();
             finish(renderer.gpu());
@@ -125,14 +125,14 @@ fn culling_loses_nothing_whatever_bounds_it_by_and_whoever_culls() {
         let ((extension, listed), (shader, most)) = (by(Rasterization::Extension), by(Rasterization::GeometryShader));
         println!("lists of {listed} nodes by the extension, {most} by the geometry shader");
         assert!(apart(&extension, &every) == 0 && apart(&shader, &every) == 0);
-        // The device may find more than what is touched, by a part of a tile.
+        // The device may find more tiles than those touched, by a part of a tile.
         assert!(listed as f64 > 0.98 * most as f64 && (listed as f64) < 1.5 * most as f64);
         finish(renderer.gpu());
     }
 }
 
 shader_struct! {
-    /// `glsl/lib/range.glsl`.
+    /// Layout of `glsl/lib/range.glsl`.
     struct Spheroid {
         row0: [f32; 3],
         depth: f32,
@@ -141,11 +141,11 @@ shader_struct! {
     }
 }
 
-/// Places within a tile at which the extension's shaders are rasterized, in rows of so many: all together find about what a device would
-/// that does so conservatively.
+/// Sample places per row of a tile, and rows. The extension's shaders are rasterized at each place, and together the places find about
+/// the tiles of conservative rasterization.
 const PLACES: u32 = 24;
 
-/// The engine's shaders, and the extension's moved to the place that the instance says.
+/// The engine's shaders. The extension's vertices are moved to the sample place of their instance.
 fn library() -> Library {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("glsl");
     let mut sources = BTreeMap::new();
@@ -174,7 +174,7 @@ fn library() -> Library {
     Library::from_sources(sources)
 }
 
-/// Which slices of which tiles bounds run through, on near and on far sides: as the geometry shader finds them, and the extension's.
+/// Slices of tiles that bounds cross, on near and far sides: by the geometry shader, and by the extension's shaders.
 fn slices(spheres: &[[f32; 4]], spheroids: &[Spheroid], glossy: bool) -> [Vec<u32>; 2] {
     const INTERLEAVE: u32 = 4;
     let size = [640, 360];
@@ -216,7 +216,7 @@ fn slices(spheres: &[[f32; 4]], spheroids: &[Spheroid], glossy: bool) -> [Vec<u3
 
 #[test]
 fn the_extensions_shaders_mark_what_the_geometry_shader_does() {
-    // Around the eye, beside the picture, from a part of a tile to most of the picture, and long ones.
+    // Spheres around the eye, beside the picture, from a part of a tile to most of the picture, and long spheroids.
     let numbers = |i: u32| [1, 2, 3, 4, 5].map(|k: u32| (i.wrapping_mul(k * k).wrapping_mul(2_654_435_761) >> 8) as f32 / (1 << 24) as f32);
     let spheres: Vec<[f32; 4]> =
         (0..256).map(numbers).map(|[a, b, c, d, _]| [16.0 * a - 8.0, 10.0 * b - 5.0, 12.0 * c - 1.0, 0.02 + 3.0 * d * d]).collect();
@@ -236,7 +236,7 @@ fn the_extensions_shaders_mark_what_the_geometry_shader_does() {
         let [all, some] = [&shader, &extension].map(|marks| marks.iter().map(|bits| bits.count_ones()).sum::<u32>());
         println!("{some} of {all} slices, {beyond} beyond");
         assert!(all > 5000 && beyond == 0, "{beyond} slices of {all} that the geometry shader does not find");
-        // The rest are slivers between the places.
+        // The other slices are slivers between the sample places.
         assert!(f64::from(some) > 0.9 * f64::from(all), "{some} of {all} slices");
     }
 }
@@ -266,7 +266,8 @@ fn ellipsoids_list_a_tenth_of_the_wrong_vpls_that_spheres_around_vpls_list() {
     for roughness in [0.02, 0.05, 0.1] {
         let (scene, mut config) = metal(roughness);
         config.gather.statistics = true;
-        // A tile is as large a part of the picture as the preset's at 1920 x 1080, and a pixel has as many VPLs, of four times the flux.
+        // A tile covers as large a part of the picture as the preset's at 1920 x 1080, and a pixel has as many VPLs, of four
+        // times the flux.
         config.frame.size = [960, 540];
         config.rsm.size = [128, 128];
         config.gather.delta = 0.004;
@@ -300,7 +301,7 @@ fn chance_takes_no_light_away_on_average_and_clamped_ranges_do() {
     config.frame.size = [64, 36];
     config.rsm.size = [32, 32];
     config.gather.interleave = 1;
-    // Rarer lights than these would not come up in so many realisations, and their spread would not be known.
+    // With a larger delta, rare lights would not occur in so many realisations, and their variance would be unknown.
     config.gather.delta = 0.005;
     let mut renderer = renderer(scene);
     const REALISATIONS: u32 = 256;
@@ -325,7 +326,7 @@ fn chance_takes_no_light_away_on_average_and_clamped_ranges_do() {
         }
         let mean = *sum / n;
         let variance = (*squared / n - mean * mean).max(DVec3::ZERO) * (n / (n - 1.0));
-        // Halves hold eleven bits.
+        // Halves have eleven significant bits.
         let allowed = 3.0 * (variance / n).map(f64::sqrt) + full * 2f64.powi(-11);
         all += 1;
         inside += u32::from((mean - full).abs().cmple(allowed).all());
@@ -350,7 +351,7 @@ fn chance_takes_no_light_away_on_average_and_clamped_ranges_do() {
 fn a_wall_of_rough_metal_lights_a_box_as_the_path_tracer_says() {
     const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
     let mut scene = room(&walls(SIZE, [DVec3::ZERO; 6]));
-    // Metal throws the light of the lamp at the other walls.
+    // A metal wall reflects the lamp's light to the other walls.
     let wall = scene.draws[4].material as usize;
     scene.materials[wall] =
         Material { base_color: [0.9, 0.7, 0.4, 1.0], metallic: 1.0, roughness: 0.3f32.sqrt(), ..scene.materials[wall].clone() };
@@ -368,7 +369,7 @@ fn a_wall_of_rough_metal_lights_a_box_as_the_path_tracer_says() {
     let matte = |x| away_from_edges(x, SIZE);
     let all = light_of_paths(&mut renderer, &config, 512, matte);
     let ratio = light(&mut renderer, &config, matte) / all;
-    // The metal alone, against the path tracer's picture less that of a wall that reflects nothing.
+    // Light of the metal alone, against the difference of path-traced pictures with the wall and with a black one.
     config.vpls.reflection = Reflection::Glossy;
     let glossy = light(&mut renderer, &config, matte);
     finish(renderer.gpu());
@@ -387,12 +388,12 @@ fn a_wall_of_rough_metal_lights_a_box_as_the_path_tracer_says() {
 #[test]
 fn a_wall_of_plastic_lights_a_box_as_the_path_tracer_says() {
     const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
-    // Black plastic reflects by its gloss alone.
+    // Black plastic reflects only by its gloss.
     for (base, reflection) in [([0.0; 3], Reflection::Glossy), ([0.5; 3], Reflection::Both)] {
         let mut scene = room(&walls(SIZE, [DVec3::splat(0.5); 6]));
         let wall = scene.draws[4].material as usize;
         scene.materials[wall] = Material { roughness: 0.3f32.sqrt(), ..matte(base) };
-        // Nothing else is lit.
+        // The lamp lights only the plastic wall.
         let lamp = spot(Vec3::new(3.0, 2.2, 2.4), Vec3::new(-0.45, -0.3, -1.0), [3000.0, 2500.0, 2000.0], 15.0, 20.0);
         let mut config = plain([64, 64], Vec3::new(3.6, 1.7, 4.6), Vec3::new(1.0, 0.4, 2.5), 95.0, lamp);
         config.rsm.size = [128, 128];
@@ -415,7 +416,7 @@ fn a_wall_of_plastic_lights_a_box_as_the_path_tracer_says() {
 #[test]
 fn bent_metal_lights_a_floor_as_the_path_tracer_says() {
     for (parts, roughness, within) in [(64, 0.1f32, 0.01), (16, 0.1, 0.01), (6, 0.3, 0.03)] {
-        // Half a cylinder, hollow towards the lamp, of so many flat parts whose normals are interpolated.
+        // Half a cylinder, hollow towards the lamp, of flat parts with interpolated normals.
         let mut bent = Mesh::default();
         for i in 0..=parts {
             let (sin, cos) = (std::f32::consts::PI * i as f32 / parts as f32).sin_cos();
@@ -447,7 +448,7 @@ fn bent_metal_lights_a_floor_as_the_path_tracer_says() {
 
 #[test]
 fn all_vpls_that_one_pixel_may_have_shine_on_it() {
-    // A floor that fills its map, of half a metal, so that each texel is a diffuse and a glossy VPL; and a ceiling that faces it.
+    // A half-metallic floor that fills the map, so that each texel is a diffuse and a glossy VPL; and a ceiling that faces it.
     let mut scene = Scene { name: "floor and ceiling".into(), ..Scene::default() };
     let floor = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].map(|(x, z)| Vec3::new(x, 0.0, z));
     let mut ceiling = floor.map(|corner| corner * 0.2 + Vec3::Y);
@@ -489,7 +490,7 @@ fn light_lists_that_are_cut_short_say_how_much_is_lost() {
     assert_eq!(count(&cut, "gather/nodes"), all);
     assert_eq!(count(&cut, "gather/lost"), all - all / 2);
     assert!(cut.warnings()[0].contains(&format!("{} nodes found no room", all - all / 2)), "{:?}", cut.warnings());
-    // What is left are lights of the same lists.
+    // The remaining lights are part of the same lists.
     let [cut, whole] = [&cut, &whole].map(|rendered| rendered.picture.as_ref().unwrap().irradiance.rgb().collect::<Vec<Vec3>>());
     assert!(cut.iter().zip(&whole).all(|(cut, whole)| cut.cmple(*whole * 1.002 + 1e-5).all()));
     let [left, all] = [cut, whole].map(|values| values.iter().map(|e| f64::from(e.element_sum())).sum::<f64>());
@@ -590,7 +591,7 @@ fn maps_that_neighbours_share_see_about_what_rays_do() {
 fn the_preset_has_the_light_of_the_path_tracer_where_rays_make_its_shadows() {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/configs/stochastic-culling.toml"));
     let sets = [
-        "gather.delta=1e-6", // At the preset's one realisation's light is off by a few percent.
+        "gather.delta=1e-6", // At the preset's delta, one realisation's light is off by a few percent.
         "scene.builtin=cornell",
         "frame.size=[96,96]",
         "gather.statistics=true",

@@ -1,4 +1,4 @@
-//! Vertices that a pass makes, and who draws them: what skinned meshes will need.
+//! Vertices made by a pass and then drawn, as skinned meshes will need.
 
 use crate::common::*;
 use manylight::gpu::{Accesses, Attachment, Barrier, Bound, Format, Gpu, ImageDesc, Load, RasterState, Stages};
@@ -7,7 +7,7 @@ use manylight::scene::Vertex;
 use manylight::world::device::{DrawArguments, VERTEX};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A triangle over all of the picture.
+/// A shader that makes one triangle over the whole picture.
 const MAKE: &str = "#version 460\n#extension GL_EXT_scalar_block_layout : require\nlayout(local_size_x = 4) in;\n\
     struct Vertex { vec3 position; uint normal; vec2 uv; uint color; uint tangent; };\n\
     layout(scalar) writeonly buffer Vertices { Vertex at[]; } vertices;\n\
@@ -51,7 +51,7 @@ fn a_draw_waits_for_the_pass_that_makes_its_vertices() {
             count: 1,
         };
         g.raster("test/draw").color("covered", target, [0.0; 4]).draw(vec![list]);
-        // Over what the draw has read: the write waits for it.
+        // The write to vertices that the draw has read must wait for it.
         g.compute("test/again").shader("test/make").writes("vertices", vertices).dispatch([3, 1, 1]);
         let read = g.read_back(target);
         let outcome = engine.execute(&g, &Execution { timing, ..Execution::default() }).unwrap_or_else(|error| panic!("{error:#}"));
@@ -86,7 +86,7 @@ fn vertices_that_no_pass_has_made_are_refused() {
     finish(&engine.gpu);
 }
 
-/// A dispatch that makes vertices and a draw of them in one submission, with the barrier that a frame's plan has or without.
+/// A dispatch that makes vertices and a draw of them in one submission, with or without the barrier of a frame's plan.
 fn make_then_draw(ordered: bool) -> Vec<String> {
     let mut gpu: Gpu = gpu();
     let mut library = library();

@@ -1,4 +1,4 @@
-//! What every sampler promises of its VPLs, whatever they are made of: `src/stages/README.md`.
+//! The contract that all samplers' VPLs keep: `src/stages/README.md`.
 
 use crate::common::*;
 use glam::{DVec3, Vec3};
@@ -10,7 +10,8 @@ use manylight::stages::vpls::{Lobe, VplPlace};
 
 const LIGHT: Vec3 = Vec3::new(1.0, 1.5, 1.0);
 
-/// A box of which one wall is black, and a spot light whose map goes past the box's open side: some texels have no surface, some no light.
+/// A box with one black wall, and a spot light whose map reaches past the box's open side: some texels have no surface, some no
+/// light.
 fn room_with_dark_parts() -> (Renderer, Config) {
     let mut albedos = [DVec3::splat(0.5); 6];
     albedos[1] = DVec3::ZERO;

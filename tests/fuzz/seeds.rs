@@ -1,4 +1,4 @@
-//! Writes the files that fuzzing starts from: one for every feature of the loader.
+//! Writes the seeds of fuzzing: one file for every feature of the loader.
 
 #[allow(dead_code)]
 #[path = "../gltf/make.rs"]

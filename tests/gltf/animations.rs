@@ -1,4 +1,4 @@
-//! Animations: what moves, how it runs between its keys, and which of them is played.
+//! glTF animations: nodes that move, interpolation between keys, and the choice of animation.
 
 use crate::make::{CORNERS, I8, I16, Make, U8, U16, bytes, corners, positions, push};
 use glam::{Affine3A, Quat, Vec3};
@@ -12,7 +12,7 @@ fn near(a: Vec3, b: Vec3) -> bool {
     a.distance(b) < 1e-5
 }
 
-/// Where a draw takes the origin of its own space, at a time.
+/// World position of a draw's own origin, at a time.
 fn origin(scene: &mut Scene, draw: usize, seconds: f64) -> Vec3 {
     scene.set_time(seconds);
     scene.draws[draw].transform.translation.into()
@@ -27,7 +27,7 @@ fn translation_rotation_and_scale_run_through_their_keys_and_begin_again() {
     let mut scene = make.scene();
     let turn = Quat::from_rotation_y(FRAC_PI_2);
     for (seconds, x, rotation) in [(0.0, 0.0, Quat::IDENTITY), (0.5, 1.0, Quat::IDENTITY), (1.0, 2.0, turn), (1.5, 3.0, turn)] {
-        // What has no channel stays: the scale.
+        // The scale has no channel, and stays.
         let expected = Affine3A::from_scale_rotation_translation(Vec3::new(1.0, 1.0, 2.0), rotation, Vec3::new(x, 0.0, 0.0));
         for loops in [0.0, 2.0, 20.0] {
             scene.set_time(seconds + loops);
@@ -37,7 +37,7 @@ fn translation_rotation_and_scale_run_through_their_keys_and_begin_again() {
             }
         }
     }
-    // Without being asked it is at time 0, and not where its node says.
+    // A loaded scene is at time 0 of its animation, and not at its nodes' own transforms.
     assert_eq!(make.scene().draws[0].transform.translation, glam::Vec3A::ZERO);
     assert_eq!(scene.animation.as_ref().unwrap().duration, 2.0);
 }
@@ -76,7 +76,7 @@ fn what_hangs_on_a_moving_node_moves_with_it_and_the_rest_stays() {
     let mut scene = make.scene();
     assert_eq!(scene.moving_draws(), [true, false]);
     for (seconds, sine, cosine) in [(0.0, 0.0, 1.0), (0.5, half, half), (0.9999999, 0.0, 1.0)] {
-        // The draw is two metres along the turning +X, the spot three along its -Z and shines along it.
+        // The draw is two metres along the turning +X. The spot is three metres along its -Z, and shines along it.
         assert!(near(origin(&mut scene, 0, seconds), Vec3::new(2.0 * cosine, 1.0, -2.0 * sine)), "{seconds}");
         assert!(near(origin(&mut scene, 1, seconds), Vec3::Y));
         let ahead = Vec3::new(-sine, 0.0, -cosine);
@@ -85,7 +85,7 @@ fn what_hangs_on_a_moving_node_moves_with_it_and_the_rest_stays() {
         assert!(matches!(scene.lights[1], Light::Directional { direction, .. } if direction == Vec3::NEG_Z));
         let camera = &scene.cameras[0];
         assert!(near(camera.position, Vec3::Y) && near(camera.target, Vec3::ZERO) && near(camera.up, ahead), "{seconds}: {camera:?}");
-        // The same for whoever asks without setting the time.
+        // Queries at a time give the same without setting it.
         assert_eq!(scene.lights, make.scene().lights_at(seconds).into_owned());
         assert_eq!(scene.cameras, make.scene().cameras_at(seconds).into_owned());
     }
@@ -151,13 +151,13 @@ fn an_animation_that_moves_nothing_that_is_shown_leaves_the_scene_still() {
     assert!(make.scene().animation.is_none(), "a node that no scene shows");
     make.json["scenes"][0]["nodes"] = json!([0, 1]);
     assert!(make.scene().animation.is_none(), "a node without anything on it");
-    // A pose of one moment: all is where it says, and nothing moves.
+    // An animation of one key is a pose: its values apply, and nothing moves.
     let mut make = Make::square();
     make.animate(0, "translation", "LINEAR", &[0.0], &[3., 0., 0.]);
     let scene = make.scene();
     assert!(scene.animation.is_none());
     assert_eq!(scene.draws[0].transform.translation.x, 3.0);
-    // Nothing is in it.
+    // An empty animation.
     make.json["animations"] = json!([{"channels": [], "samplers": []}]);
     assert!(make.scene().animation.is_none());
 }
@@ -196,7 +196,7 @@ fn bounds_hold_all_of_the_way() {
     let mut make = Make::square();
     push(&mut make.json["nodes"], json!({"mesh": 0, "translation": [0, 0, -1]}));
     make.json["scenes"][0]["nodes"] = json!([0, 1]);
-    // Out to x = 1 / 4 * 8 between the keys, by its tangents alone.
+    // The tangents alone move the square out to x = 1 / 4 * 8 between the keys.
     let spline = [[0.; 3], [0.; 3], [8., 0., 0.], [-8., 0., 0.], [0.; 3], [0.; 3]];
     make.animate(0, "translation", "CUBICSPLINE", &[0.0, 1.0], spline.as_flattened());
     let mut scene = make.scene();
@@ -212,7 +212,7 @@ fn bounds_hold_all_of_the_way() {
 fn a_node_may_grow_from_nothing_and_keeps_its_front() {
     let mut make = Make::square();
     *make.node() = json!({"mesh": 0, "scale": [0, 0, 0]});
-    // Mirrored as soon as it has a size.
+    // The node is mirrored as soon as it has a size.
     make.animate(0, "scale", "LINEAR", &[0.0, 1.0], &[0., 0., 0., -1., 1., 1.]);
     let mut scene = make.scene();
     scene.set_time(0.5);

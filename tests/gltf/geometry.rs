@@ -33,7 +33,7 @@ fn lists_strips_and_fans_without_indices_keep_their_winding() {
         (4, vec![a, b, c, a, c, d], vec![[a, b, c], [a, c, d]]),
         (5, vec![a, b, d, c], vec![[a, b, d], [b, c, d]]),
         (6, vec![a, b, c, d], vec![[b, c, a], [c, d, a]]),
-        // Left over corners make no triangle.
+        // Left-over corners make no triangle.
         (4, vec![a, b, c, a, c], vec![[a, b, c]]),
     ] {
         let mut make = Make::empty();
@@ -42,7 +42,7 @@ fn lists_strips_and_fans_without_indices_keep_their_winding() {
         let scene = make.scene();
         let expected: Vec<Vec3> = triangles.as_flattened().iter().map(|&corner| corner.into()).collect();
         assert_eq!(positions(&scene, &scene.draws[0]), expected, "mode {mode}");
-        // Flat normals come from the winding: all of these face +Z.
+        // Flat normals follow from the winding: all of these face +Z.
         assert!(normals(&scene, &scene.draws[0]).iter().all(|n| n.distance(Vec3::Z) < 1e-4), "mode {mode}");
     }
 }
@@ -120,7 +120,7 @@ fn quantized_and_normalized_attributes_come_back_as_floats() {
     let mut make = Make::square();
     make.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
     make.json["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
-    // Positions of three 16-bit numbers, normals of three bytes: padded to multiples of four.
+    // Positions are three 16-bit numbers and normals three bytes, padded to multiples of four.
     let position = make.attribute(
         "POSITION",
         I16,
@@ -149,7 +149,7 @@ fn quantized_and_normalized_attributes_come_back_as_floats() {
 
 #[test]
 fn vertex_colours_of_every_layout_become_the_same_bytes() {
-    // One row a corner; the fourth column is left out for three components.
+    // One row for each corner; with three components the fourth column is left out.
     let colors = [[0u8, 51, 255, 102], [255, 255, 255, 255], [102, 0, 0, 0], [0, 0, 0, 255]];
     for size in [3, 4] {
         let flat: Vec<u8> = colors.iter().flat_map(|c| c[..size].to_vec()).collect();

@@ -1,18 +1,18 @@
-//! Files that are damaged or lie: each is refused with one sentence that says what is wrong, quickly and in little memory.
+//! Damaged and lying files: each is refused in one sentence that names the fault, quickly and with little memory.
 
 use crate::make::{F32, Make, U8, U16, bytes, glb, png, push};
 use manylight::error::{Exit, exit_code};
 use manylight::scene::gltf;
 use serde_json::{Value, json};
 
-/// A name, what is done to the textured square, and what the message must contain.
+/// Name, change to the textured square, and expected part of the message.
 pub type Case = (&'static str, fn(&mut Make), &'static str);
 
 fn position(make: &mut Make) -> &mut Value {
     &mut make.json["accessors"][0]
 }
 
-/// The normal map's, and so all, texture is the image.
+/// Replaces the textured square's only texture by this image.
 fn image(make: &mut Make, encoded: &[u8]) {
     make.texture(encoded);
     make.json["materials"][0] = json!({"emissiveTexture": {"index": 0}});
@@ -23,7 +23,7 @@ fn light(make: &mut Make, light: Value) {
     make.node()["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
 }
 
-/// A PNG whose header says another size, with the header's checksum set right.
+/// A PNG whose header claims another size, with a correct checksum.
 fn png_of(width: u32, height: u32) -> Vec<u8> {
     let mut file = png(1, 1, &[0; 4]);
     file[16..20].copy_from_slice(&width.to_be_bytes());
@@ -362,7 +362,7 @@ fn no_byte_that_is_cut_or_flipped_makes_it_panic() {
             let mut bent = whole.clone();
             bent[at] ^= mask;
             if let Ok(mut loaded) = gltf::load_slice(&bent, None, "made.glb", None) {
-                // Nor does what it moves.
+                // Setting the time of an accepted scene does not panic either.
                 [0.3, 1e9].iter().for_each(|seconds| loaded.scene.set_time(*seconds));
             }
         }
@@ -371,7 +371,7 @@ fn no_byte_that_is_cut_or_flipped_makes_it_panic() {
 
 #[test]
 fn a_small_file_cannot_ask_for_much_memory_or_time() {
-    // Many nodes that each show a mesh of many primitives.
+    // Many nodes, each with a mesh of many primitives.
     let mut make = Make::square();
     let primitive = make.primitive().clone();
     make.json["meshes"][0]["primitives"] = json!(vec![primitive; 1100]);
@@ -379,7 +379,7 @@ fn a_small_file_cannot_ask_for_much_memory_or_time() {
     make.json["scenes"][0]["nodes"] = (0..1000).collect();
     check("draws", &make.glb(), "the nodes show more than 1048576 primitives");
 
-    // A hierarchy deeper than any stack.
+    // A hierarchy too deep for recursion.
     let mut make = Make::square();
     make.json["nodes"] = (0..200_000).map(|i| json!({"children": [i + 1]})).collect();
     push(&mut make.json["nodes"], json!({"mesh": 0}));

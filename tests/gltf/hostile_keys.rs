@@ -1,10 +1,10 @@
-//! Animations that are damaged or lie, as [`crate::hostile`] has them for the rest of a file.
+//! Damaged and lying animations; [`crate::hostile`] has the rest of a file.
 
 use crate::hostile::{Case, check};
 use crate::make::{Make, U8, push};
 use serde_json::{Value, json};
 
-/// An animation that moves the square, three keys long; the accessors of its times and places are 4 and 5.
+/// An animation that moves the square by three keys; its times and values are accessors 4 and 5.
 fn slide(make: &mut Make) -> &mut Value {
     make.animate(0, "translation", "LINEAR", &[0.0, 1.0, 2.0], &[0.0; 9]);
     &mut make.json["animations"][0]
@@ -114,7 +114,7 @@ fn every_lie_of_an_animation_is_named() {
 
 #[test]
 fn a_small_file_cannot_ask_for_many_keys_or_much_time_for_them() {
-    // Many samplers that share their many keys, which no byte bounds.
+    // Many samplers share their many keys, which no bytes of the file bound.
     let mut make = Make::square();
     make.animate(0, "translation", "STEP", &[0.0], &[0.0; 3]);
     let sampler = make.json["animations"][0]["samplers"][0].clone();

@@ -1,4 +1,4 @@
-//! The glTF loader: real scenes, every feature by a small file made here, and files that lie.
+//! Tests of the glTF loader: real scenes, a small file for every feature, and hostile files.
 
 mod animations;
 mod geometry;

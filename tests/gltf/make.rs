@@ -1,4 +1,4 @@
-//! Small glTF files made by code, to be bent by tests.
+//! Small glTF files made by code, for tests to modify.
 
 use glam::{Vec2, Vec3};
 use manylight::scene::gltf::{self, AnimationChoice, Choice, Loaded, SceneChoice};
@@ -12,16 +12,16 @@ pub const U16: u32 = 5123;
 pub const U32: u32 = 5125;
 pub const F32: u32 = 5126;
 
-/// A glTF file as its JSON and its one buffer.
+/// A glTF file: its JSON and its one buffer.
 #[derive(Clone)]
 pub struct Make {
     pub json: Value,
     pub bin: Vec<u8>,
 }
 
-/// The corners of the square that [`Make::square`] has, counter-clockwise seen from +Z.
+/// Corners of [`Make::square`], counter-clockwise seen from +Z.
 pub const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-/// Its texture coordinates, as an image that hangs upright.
+/// Texture coordinates of the corners, for an upright image.
 pub const UVS: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
 
 impl Make {
@@ -81,14 +81,14 @@ impl Make {
         self.accessor(F32, kind, values.len() / dimensions(kind), &bytes(values))
     }
 
-    /// Sets an attribute of the first primitive to new data; as many elements as the square has corners.
+    /// Sets an attribute of the first primitive to new data, one element for each corner of the square.
     pub fn attribute(&mut self, name: &str, component: u32, kind: &str, bytes: &[u8]) -> usize {
         let accessor = self.accessor(component, kind, 4, bytes);
         self.primitive()["attributes"][name] = json!(accessor);
         accessor
     }
 
-    /// Adds an image and a texture that shows it with the default sampler.
+    /// Adds an image, and a texture of it with the default sampler.
     pub fn texture(&mut self, encoded: &[u8]) -> usize {
         let view = self.view(encoded);
         let images = self.json.as_object_mut().unwrap().entry("images").or_insert(json!([]));
@@ -97,7 +97,7 @@ impl Make {
         push(textures, json!({"source": image}))
     }
 
-    /// Adds a channel to the file's first animation, which it makes if there is none: a property of a node through keys.
+    /// Animates a property of a node through keys: adds a channel to the file's first animation, which is made if missing.
     pub fn animate(&mut self, node: usize, property: &str, interpolation: &str, times: &[f32], values: &[f32]) {
         let kind = if property == "rotation" { "VEC4" } else { "VEC3" };
         let (input, output) = (self.floats("SCALAR", times), self.floats(kind, values));
@@ -107,7 +107,7 @@ impl Make {
         push(&mut animations[0]["channels"], json!({"sampler": sampler, "target": {"node": node, "path": property}}));
     }
 
-    /// The JSON with the buffer as it must be for a file whose buffer has that URI, or is a .glb's.
+    /// The JSON with a buffer of this URI, or with a .glb's binary chunk.
     pub fn document(&self, uri: Option<&str>) -> Value {
         let mut json = self.json.clone();
         if json.get("buffers").is_none() {
@@ -143,7 +143,7 @@ impl Make {
         gltf::load_slice(&self.glb(), None, "made.glb", Some(choice))
     }
 
-    /// The scene, which must come without a warning.
+    /// The scene, which must load without a warning.
     pub fn scene(&self) -> Scene {
         let loaded = self.load().unwrap_or_else(|error| panic!("{error:#}"));
         assert_eq!(loaded.warnings, Vec::<String>::new());
@@ -167,7 +167,7 @@ fn dimensions(kind: &str) -> usize {
     }
 }
 
-/// The file of a JSON text and a buffer.
+/// A .glb of a JSON text and a buffer.
 pub fn glb(json: &[u8], bin: &[u8]) -> Vec<u8> {
     let chunk = |kind: &[u8; 4], data: &[u8], pad: u8| {
         let mut padded = data.to_vec();
@@ -182,7 +182,7 @@ pub fn bytes<T: bytemuck::NoUninit>(values: &[T]) -> Vec<u8> {
     bytemuck::cast_slice(values).to_vec()
 }
 
-/// A PNG of the texels' one row, or of any other shape.
+/// A PNG of RGBA texels.
 pub fn png(width: u32, height: u32, rgba: &[u8]) -> Vec<u8> {
     let mut file = std::io::Cursor::new(Vec::new());
     let image = image::RgbaImage::from_raw(width, height, rgba.to_vec()).unwrap();
@@ -190,18 +190,18 @@ pub fn png(width: u32, height: u32, rgba: &[u8]) -> Vec<u8> {
     file.into_inner()
 }
 
-/// The vertices at the corners of a draw's triangles, in order.
+/// Vertices of a draw's triangles, in order.
 pub fn corners(scene: &Scene, draw: &Draw) -> Vec<Vertex> {
     let indices = &scene.indices[draw.first_index as usize..][..draw.index_count as usize];
     indices.iter().map(|&i| scene.vertices[(draw.vertex_offset + i) as usize]).collect()
 }
 
-/// Their positions in the world.
+/// World positions of [`corners`].
 pub fn positions(scene: &Scene, draw: &Draw) -> Vec<Vec3> {
     corners(scene, draw).iter().map(|vertex| draw.transform.transform_point3(vertex.position.into())).collect()
 }
 
-/// Their unpacked normals, in the draw's own space.
+/// Unpacked normals of [`corners`], in the draw's own space.
 pub fn normals(scene: &Scene, draw: &Draw) -> Vec<Vec3> {
     corners(scene, draw).iter().map(|vertex| pack::octahedral_snorm16_inverse(vertex.normal)).collect()
 }

@@ -162,7 +162,7 @@ fn the_base_colours_set_of_texture_coordinates_is_the_one_and_mixing_sets_is_war
 
     make.json["materials"][0]["emissiveTexture"]["texCoord"] = json!(1);
     assert_eq!(uvs(&make.scene(), &make.scene().draws[0])[0], Vec2::new(5.0, 1.0));
-    // Without a base colour texture, it is the first one that there is.
+    // Without a base colour texture, the first existing texture sets it.
     make.json["materials"][0]["pbrMetallicRoughness"] = json!({});
     assert_eq!(uvs(&make.scene(), &make.scene().draws[0])[0], Vec2::new(5.0, 1.0));
 
@@ -182,7 +182,7 @@ fn given_tangents_are_kept_and_missing_ones_are_made() {
     };
     assert_eq!(tangents(&make), [vec![pack::tangent(Vec3::X, 1.0); 6]]);
 
-    // A mirror image turns right hands into left ones.
+    // Mirroring flips the handedness.
     make.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "scale": [-1, 1, 1]}]);
     make.json["scenes"][0]["nodes"] = json!([0, 1]);
     let both = |handedness| [vec![pack::tangent(Vec3::X, handedness); 6], vec![pack::tangent(Vec3::X, -handedness); 6]];
@@ -195,7 +195,7 @@ fn given_tangents_are_kept_and_missing_ones_are_made() {
     make.json["accessors"][quantized]["normalized"] = json!(true);
     assert_eq!(tangents(&make), both(-1.0));
 
-    // Without normals there are flat ones, and the file's tangents mean nothing.
+    // Without normals, flat ones are made, and the file's tangents are meaningless.
     make.primitive()["attributes"].as_object_mut().unwrap().remove("NORMAL");
     assert_eq!(tangents(&make), both(1.0));
 }

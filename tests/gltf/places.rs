@@ -1,4 +1,4 @@
-//! Nodes, scenes, lights, cameras, and the files that a file refers to.
+//! Nodes, scenes, lights, cameras, and files referenced by a file.
 
 use crate::make::{CORNERS, Make, corners, normals, positions, push};
 use base64::Engine;
@@ -15,7 +15,7 @@ fn near(a: Vec3, b: Vec3) -> bool {
 fn matrices_and_translation_rotation_scale_stack_up() {
     let mut make = Make::square();
     let quarter = std::f32::consts::FRAC_1_SQRT_2;
-    // A turn by 90 degrees about +Y takes x to -z; then a matrix that doubles and moves.
+    // A rotation by 90 degrees about +Y takes x to -z; the matrix doubles and moves.
     make.json["nodes"] = json!([
         {"children": [1], "matrix": [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 10, 20, 30, 1]},
         {"children": [2], "rotation": [0, quarter, 0, quarter], "translation": [0, 1, 0]},
@@ -39,7 +39,7 @@ fn a_mesh_at_several_nodes_is_there_once_and_drawn_often() {
     assert!(near(positions(&scene, &scene.draws[1])[0], Vec3::new(5.0, 0.0, 0.0)));
 }
 
-/// The normals that the triangles' corner order gives in the world.
+/// World normals by the winding of the triangles.
 fn winding(scene: &Scene, draw: usize) -> Vec<Vec3> {
     let corners = positions(scene, &scene.draws[draw]);
     corners.as_chunks::<3>().0.iter().map(|[a, b, c]| (b - a).cross(c - a).normalize()).collect()
@@ -84,7 +84,7 @@ fn scenes_are_chosen_by_default_index_or_name_and_listed_where_there_is_none_suc
         let message = format!("{:#}", make.load_scene(choice).unwrap_err());
         assert_eq!(message, format!("made.glb: it has no scene {wanted}; there is scene 0, scene 1 (\"far\"), scene 2"));
     }
-    // A file without scenes shows everything.
+    // In a file without scenes, every node is shown.
     make.json.as_object_mut().unwrap().remove("scenes");
     make.json["nodes"][0]["children"] = json!([1]);
     assert_eq!(make.scene().draws.len(), 3);
@@ -110,7 +110,7 @@ fn punctual_lights_shine_along_their_nodes_minus_z() {
         {"type": "spot", "intensity": 2, "spot": {"innerConeAngle": 0.25, "outerConeAngle": 0.5}},
         {"type": "spot", "spot": {}},
     ]}});
-    // A turn by -90 degrees about +X takes -z to -y; the scale must not matter.
+    // A rotation by -90 degrees about +X takes -z to -y; the scale must not matter.
     let half = std::f32::consts::FRAC_1_SQRT_2;
     for light in 0..4 {
         let node = json!({
@@ -153,7 +153,7 @@ fn perspective_cameras_look_along_minus_z_and_orthographic_ones_are_left_out() {
     let [camera] = &loaded.scene.cameras[..] else { panic!("{:?}", loaded.scene.cameras) };
     assert_eq!(camera.name, "eye");
     assert_eq!(camera.position, Vec3::new(1.0, 2.0, 3.0));
-    // A turn by 90 degrees about +Y takes -z to -x.
+    // A rotation by 90 degrees about +Y takes -z to -x.
     assert!(near(camera.target, Vec3::new(0.0, 2.0, 3.0)), "{camera:?}");
     assert!(near(camera.up, Vec3::Y));
     assert!((camera.fov_y_deg - 60.0).abs() < 1e-4);

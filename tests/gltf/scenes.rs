@@ -4,7 +4,7 @@ use manylight::scene::gltf;
 use manylight::scene::{Aabb, Scene};
 use std::path::PathBuf;
 
-/// File, triangles, and the corners of the bounding box, as the scenes' own table has them (to a hundredth).
+/// File, triangles, and corners of the bounding box (to a hundredth), from the table that came with the scenes.
 const TABLE: [(&str, u64, [f32; 3], [f32; 3]); 9] = [
     ("sponza_crytek", 262_266, [-19.21, -1.26, -11.83], [18.00, 14.29, 11.05]),
     ("sibenik", 73_555, [-20.14, 0.00, -8.50], [20.14, 30.61, 8.50]),

@@ -1,4 +1,4 @@
-//! A glTF file that moves, as the program's users meet it: sequences, walks, references and exports show each frame's time.
+//! Animated glTF files in the program: sequences, flicker, references and exports show each frame's time.
 
 use crate::make::{Make, push};
 use crate::place::Place;
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 const CONFIG: &str = "[scene]\nfile = \"slide.glb\"\n[frame]\nsize = [48, 36]\ncount = 3\nfps = 1\nwarmup = 0\n[rsm]\nsize = [32, 32]\n\
                       [vpls]\ncount = 32\n[[light]]\nkind = \"directional\"\ndirection = [0, -1, -2]\nirradiance = [3, 3, 3]\n";
 
-/// A square that slides before another one: to the right in its first animation, upwards in its second.
+/// A square that slides before another one: to the right in the file's first animation, upwards in its second.
 fn slide() -> Place {
     let mut make = Make::square();
     make.json["nodes"] = json!([
@@ -42,16 +42,16 @@ fn a_sequence_shows_each_frames_time() {
     assert!(!warnings.contains("warning"), "{warnings}");
     let right = frames(&place, "right");
     assert!(right[0] != right[1] && right[1] != right[2]);
-    // Rays see the same, but for the soft edges that the shadow map makes of its texels.
+    // Ray-traced pictures move too; they differ in the soft edges of the shadow map.
     place.succeeds("render slide.toml --sequence -o rays --set direct.shadows=\"ray-traced\" --set visibility.method=\"ray-traced\"");
     let rays = frames(&place, "rays");
     assert!(rays[0] != rays[1] && rays[1] != rays[2]);
-    // A picture is the frame that a sequence has of that time, from wherever it starts: the last, or one of another rate.
+    // A single picture equals the sequence's frame at the same time, for the last frame and for another frame rate.
     place.succeeds("render slide.toml -o last");
     assert!(place.read("last/image.png") == right[2]);
     place.succeeds("render slide.toml --set frame.count=5 --set frame.fps=2 -o twice");
     assert!(place.read("twice/image.png") == right[2]);
-    // It begins again after its four seconds.
+    // The animation repeats after its four seconds.
     place.succeeds("render slide.toml --set frame.count=6 -o again");
     assert!(place.read("again/image.png") == right[1]);
 }

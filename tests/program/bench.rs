@@ -1,4 +1,4 @@
-//! `manylight bench` and `--trace` as their users meet them.
+//! Tests of `manylight bench` and `--trace` from the outside.
 
 use crate::place::{BOX, Place, text};
 use serde_json::Value;
@@ -39,7 +39,7 @@ fn a_bench_prints_stages_and_passes_and_ends_with_one_line_to_paste() {
     assert_eq!(stages, ["gbuffer", "rsm", "vpls", "gather", "filter", "direct", "compose"]);
     assert_eq!(stdout.matches(" · n=3 · ").count(), 1, "one line");
 
-    // A record and times like a render's, and no pictures.
+    // The record and times are like a render's, without pictures.
     assert_eq!(place.names("out"), ["run.json", "timings.csv"]);
     let run = place.json("out/run.json");
     assert_eq!((run["frames"].as_u64(), run["warmup"].as_u64()), (Some(3), Some(2)), "a warm-up is at least 2 frames");
@@ -92,7 +92,7 @@ struct Slice {
     end: f64,
 }
 
-/// Holds a trace against the format and gives its slices, those of the host and those of the device.
+/// Checks a trace's format. Returns its slices, the host's and the device's.
 fn slices(trace: &Value) -> [Vec<Slice>; 2] {
     let mut processes = BTreeMap::new();
     let mut threads = Vec::new();
@@ -114,7 +114,7 @@ fn slices(trace: &Value) -> [Vec<Slice>; 2] {
         }
     }
     assert!(slices.iter().all(|slice| threads.contains(&slice.thread)), "every thread has a name");
-    // On each thread, a slice is in another or apart from it.
+    // Slices on a thread are nested or disjoint.
     let mut open: Vec<Slice> = Vec::new();
     for slice in &slices {
         open.retain(|around| around.thread == slice.thread && around.end > slice.begin + 1e-3);
@@ -149,7 +149,7 @@ fn a_trace_shows_the_hosts_work_nested_and_every_pass_of_every_frame_in_order() 
             assert_eq!(found.len(), 1, "{timing}: {name}");
             found[0].clone()
         });
-        // The device works while the host waits for it, in the frame that it belongs to.
+        // The device works while the host waits for it, within the frame's slice.
         let within = |slice: &Slice, around: &Slice| slice.begin >= around.begin && slice.end <= around.end;
         for (passes, frame) in device.chunks(PASSES.len()).zip(&frames) {
             assert!(passes.iter().all(|pass| within(pass, frame)), "{timing}: {passes:?} are not in {frame:?}");

@@ -1,4 +1,4 @@
-//! The program as its users meet it: files, exit codes, and one sentence for whatever goes wrong.
+//! Tests of the program from the outside: files, exit codes, and one sentence for every error.
 
 use crate::place::{BOX, Place, failed, text};
 use manylight::output::read_exr;
@@ -17,7 +17,7 @@ fn succeeded(output: &Output) {
     assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
 }
 
-/// Every file below a folder, by its path there; none where there is no such folder.
+/// Paths of all files below a folder; none if it does not exist.
 fn files(place: &Place, folder: &str) -> Vec<String> {
     let root = place.path(folder);
     let mut files = Vec::new();
@@ -72,7 +72,7 @@ fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
     expected.extend(colors.as_flattened().iter().map(String::as_str));
     expected.sort_unstable();
     assert_eq!(names, expected);
-    // What the picture is made of adds up: the box emits only at its lamp.
+    // The picture's layers add up: the box emits only at its lamp.
     let channel = |name: &str| &exr.channels[name];
     let sums =
         channel("R").iter().zip(channel("direct.R")).zip(channel("indirect.R")).map(|((all, direct), indirect)| all - direct - indirect);
@@ -99,7 +99,7 @@ fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
     assert_eq!(json["counts"]["vpls/count"], 64);
     assert_eq!((json["width"].as_u64(), json["frames"].as_u64(), json["warmup"].as_u64()), (Some(64), Some(2), Some(1)));
 
-    // The record's config renders the same again, from wherever it lies.
+    // The record's config gives the same picture again, from any folder.
     let again: manylight::config::Config = serde_json::from_value(json["config"].clone()).unwrap();
     let again = place.write("elsewhere/again.toml", manylight::config::to_toml(&again));
     succeeded(&run(place.manylight().args([
@@ -171,7 +171,7 @@ fn list_and_doctor_say_what_there_is() {
     assert_eq!((text(&list.stderr), text(&doctor.stderr)), (String::new(), String::new()));
 }
 
-/// A glTF file of one triangle; `change` bends its JSON, and what it appends to the buffer.
+/// A glTF file of one triangle; `change` modifies its JSON and appends to its buffer.
 fn triangle(change: impl FnOnce(&mut Value, &mut Vec<u8>)) -> Vec<u8> {
     let mut json = serde_json::json!({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
@@ -232,7 +232,7 @@ fn bad_input_ends_with_one_sentence_its_code_and_no_output() {
     );
     place.write("in-the-way", "a file where a folder should be");
 
-    // The same file without a fault renders: what is refused is what was bent.
+    // The unmodified file renders, so each refusal is due to its modification.
     succeeded(&run(place.manylight().args(["good.toml", "-o", "good", "-q", "--device", "cpu"])));
 
     let cases: &[(&str, &[&str], i32, &[&str])] = &[
@@ -305,7 +305,7 @@ fn a_broken_shader_is_reported_with_its_file_and_line() {
 fn an_injected_fault_ends_with_its_code_names_what_it_met_and_leaves_no_file() {
     let place = Place::new(&[("box.toml", BOX)]);
     let cases: &[(&str, i32, &[&str])] = &[
-        // The pass before it in the frame is the last that may have ended.
+        // The pass before in the frame is the last that may have ended.
         ("device-lost:gather/tiled", 4, &["gather/tiled", "lost"]),
         ("device-lost:compose/sum", 4, &["compose/sum", "lost"]),
         ("out-of-memory:rsm/depth", 5, &["rsm/depth", "memory"]),

@@ -1,4 +1,4 @@
-//! `manylight compare` as its users meet it: figures, exit codes, heatmaps, and one sentence for whatever goes wrong.
+//! Tests of `manylight compare` from the outside: figures, exit codes, heatmaps, and one sentence for every error.
 
 use crate::place::{Place, ended, text};
 use manylight::output::exr::Precision;
@@ -19,14 +19,14 @@ impl Images {
         Self(Place::new(&[]))
     }
 
-    /// A place for a file, in folders that are made for it.
+    /// Path of a file, whose folders are made.
     fn path(&self, name: &str) -> PathBuf {
         let path = self.0.path(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         path
     }
 
-    /// An image with the layers that a run leaves, and two bounces; `change` is made to its colours.
+    /// Writes an image with the layers of a run and two bounces; `change` modifies its colours.
     fn exr(&self, name: &str, change: impl Fn(usize, f32) -> f32) {
         self.exr_of(name, WIDTH, HEIGHT, change);
     }
@@ -56,7 +56,7 @@ impl Images {
     }
 }
 
-/// The program ends with this code and one line on stderr that says all of this; what is on stdout.
+/// Checks the exit code and the one line on stderr, which must contain all of `says`. Returns stdout.
 #[track_caller]
 fn failed(output: &Output, code: i32, says: &[&str]) -> String {
     ended("compare", output, code, says)
@@ -105,7 +105,7 @@ fn a_figure_over_its_threshold_ends_with_1_after_everything_is_said() {
         let output = place.compare(&["test.exr", "reference.exr", &option, &(figure * 1.01).to_string()]);
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     }
-    // In JSON too, where what is over stands beside the figures.
+    // JSON lists exceeded thresholds beside the figures.
     let output = place.compare(&["test.exr", "reference.exr", "--json", "--max-rmse", "0.01", "--max-worst", "0.01"]);
     let json: Value = serde_json::from_str(&failed(&output, 1, &["rmse", "; 1 more over theirs"])).unwrap();
     assert_eq!((&json["over"][0]["measure"], &json["over"][1]["measure"]), (&"rmse".into(), &"worst".into()));
@@ -131,7 +131,7 @@ fn json_says_what_was_compared_how_it_was_and_over_all_frames() {
     assert_eq!((&depth["flip"], &depth["exposures"], &normals["energy"]), (&Value::Null, &Value::Null, &Value::Null));
     assert_eq!(json["summary"][1]["layer"], "Z");
     assert_eq!(json["summary"][0]["frame"], "all");
-    // The same bytes each time.
+    // A repeated comparison gives the same bytes.
     assert_eq!(place.json(&["test.exr", "reference.exr", "--layer", "RGB", "--layer", "Z", "--layer", "N"]).to_string(), json.to_string());
 }
 
@@ -160,7 +160,7 @@ fn a_heatmap_is_black_but_where_the_error_is() {
     assert!(brightness("maps/flip.png", x, y) > 60, "{:?}", pixel(&place.path("maps/flip.png"), x, y));
     assert!(brightness("maps/flip.png", 3, 25) < 10);
 
-    // A layer without FLIP is shown by its error, the largest pale yellow; several heatmaps get a folder.
+    // A layer without FLIP is shown by its error, the largest in pale yellow; several heatmaps go into a folder.
     let output = place.compare(&["test.exr", "reference.exr", "--layer", "Z", "--layer", "RGB", "--heatmap", "all"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(brightness("all/test.exr.Z.png", x, y) > 650);
@@ -204,14 +204,14 @@ fn folders_are_compared_frame_by_frame_and_summed_up() {
     assert_near(&json["summary"][0]["rmse"], (rmse.iter().map(|rmse| rmse * rmse).sum::<f64>() / 3.0).sqrt());
     assert_near(&json["summary"][0]["energy"], 3.7 / 3.0);
     assert_eq!(json["summary"][0]["worst"], json["frames"][1]["worst"]);
-    // A threshold is each frame's.
+    // Thresholds hold for each frame.
     failed(&place.compare(&["test", "reference", "--max-energy-error", "0.4"]), 1, &["frame-1.exr", "energy error"]);
 
     place.exr("test/frame-3.exr", |_, value| value);
     assert_eq!(failed(&place.compare(&["test", "reference"]), 2, &["reference/frame-3.exr", "missing"]), "");
     assert_eq!(failed(&place.compare(&["reference", "test"]), 2, &["reference/frame-3.exr", "missing"]), "");
 
-    // What a run left stands for its image, whatever else lies there.
+    // A run's folder is replaced by its image, whatever other files it has.
     place.exr("test/image.exr", |_, value| value * 2.0);
     place.exr("reference/image.exr", |_, value| value);
     for (test, reference) in [("test", "reference"), ("test", "reference/image.exr"), ("test/image.exr", "reference")] {

@@ -1,11 +1,11 @@
-//! The config from the outside: what loads, what is refused, and in which words.
+//! Tests of configs from the outside: what loads, and the words of each refusal.
 
 use manylight::config::{self, *};
 use manylight::error::{Exit, exit_code};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A folder of its own for a test, removed at its end.
+/// A folder for one test, removed at its end.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -40,7 +40,7 @@ fn parse(text: &str, sets: &[&str]) -> Result<Config, String> {
     sentence(config::parse(text, Path::new("x.toml"), &owned(sets)))
 }
 
-/// Every error is one line and ends the program as bad input.
+/// Checks that an error is one line and that its exit code is bad input.
 fn sentence(result: anyhow::Result<Config>) -> Result<Config, String> {
     result.map_err(|error| {
         assert_eq!(exit_code(&error), Exit::BadInput);
@@ -147,13 +147,13 @@ fn every_mistake_gets_a_sentence_with_file_line_and_key() {
             "x.toml:2: light.0.kind: unknown value \"sun\", expected one of \"directional\", \"spot\", \"point\", \"environment\"",
         ),
         ("[[light]]\nkind = 3", "x.toml:2: light.0.kind: expects a name, found the whole number 3"),
-        // TOML itself.
+        // Invalid TOML.
         ("\u{feff}\r\n[gather]\r\ninterleave = 3\r\n", "x.toml:3: gather.interleave: 3 is out of range"),
         ("[gather]\ninterleave = = 2", "x.toml:2, column 14: not valid TOML: "),
         ("[gather\n", "x.toml:1, column 8: not valid TOML: "),
         ("[gather]\ninterleave = 2\ninterleave = 4", "x.toml:3, column 1: not valid TOML: duplicate key"),
         (&deep, "x.toml:1, column"),
-        // Keys that exclude or need each other.
+        // Keys that exclude or require each other.
         ("[scene]\nfile = \"a.glb\"\nbuiltin = \"atrium\"", "x.toml:2: scene.file: excludes scene.builtin; give one of them"),
         ("[scene]\nanimation = 1", "x.toml:2: scene.animation: only a glTF file has animations to choose from; give scene.file"),
         ("[scene]\nscene = 1", "x.toml:2: scene.scene: only a glTF file has scenes to choose from; give scene.file"),
@@ -391,7 +391,7 @@ fn paths_start_from_the_file_that_says_them_and_from_the_current_folder_for_set(
     assert_eq!(here, std::env::current_dir().unwrap().join("box.glb"));
 }
 
-/// A config that sets every key that goes with the atrium to something other than its default.
+/// A config that sets every key allowed with the atrium to a value other than its default.
 const FULL: &str = include_str!("../fuzz/seeds/config/full.toml");
 
 #[test]
@@ -431,7 +431,7 @@ fn the_list_of_keys_is_what_the_types_take() {
     assert_eq!(found, listed);
 }
 
-/// The keys of a value, lists of tables by `N`.
+/// Dotted keys of a value; indices in lists of tables become `N`.
 fn leaves(value: &toml::Value, path: String, found: &mut Vec<String>) {
     match value {
         toml::Value::Table(table) => {
@@ -468,7 +468,7 @@ fn every_name_in_the_list_of_keys_is_accepted() {
                 continue;
             }
             let value = if matches!(key.kind, Kind::Choices(_)) { format!("[\"{name}\"]") } else { name.clone() };
-            // With what some of them need.
+            // Settings that some choices require.
             let base = match key.key.as_str() {
                 "vpls.reflection" | "gather.receiver" => "gather.culling = \"stochastic-tiled\"",
                 "vpls.importance" => "vpls.sampler = \"hammersley\"",

@@ -1,4 +1,4 @@
-//! Scenes exported for Mitsuba: what the files say, without Mitsuba. `tools/check-with-mitsuba` compares the pictures.
+//! Scenes exported for Mitsuba, checked by their files without Mitsuba. `tools/check-with-mitsuba` compares pictures.
 
 use crate::place::{Place, text};
 use glam::{Affine3A, Vec2, Vec3};
@@ -29,7 +29,7 @@ impl Exported {
         Self { xml: fs::read_to_string(path).unwrap(), folder, warnings }
     }
 
-    /// A scene of one quad of this material, lit by nothing.
+    /// Exports a scene of one quad of this material, without lights.
     fn material(scene: &Scene, material: Material) -> Self {
         Self::of(&quad(scene, material), &[], Dielectric::Lambert)
     }
@@ -43,7 +43,7 @@ impl Exported {
     }
 }
 
-/// A copy of a scene with a quad of this material added, seen from its front.
+/// A copy of a scene with an added quad of this material, seen from its front.
 fn quad(scene: &Scene, material: Material) -> Scene {
     let mut scene = scene.clone();
     let material = scene.add_material(material);
@@ -54,7 +54,7 @@ fn quad(scene: &Scene, material: Material) -> Scene {
     scene
 }
 
-/// A texture of 2x1 texels, by its name.
+/// A scene with one named texture of 2x1 texels.
 fn textured(name: &str, texels: [[u8; 4]; 2]) -> Scene {
     let mut scene = Scene::default();
     scene.add_texture(Texture { name: name.into(), width: 2, height: 1, srgb: true, texels: texels.concat() });
@@ -63,7 +63,7 @@ fn textured(name: &str, texels: [[u8; 4]; 2]) -> Scene {
 
 const TEXELS: [[u8; 4]; 2] = [[200, 100, 50, 255], [20, 10, 5, 0]];
 
-/// The only descendant with this type, or tag and name.
+/// The only descendant with this type or name.
 #[track_caller]
 fn find<'a>(node: Node<'a, 'a>, what: &str) -> Node<'a, 'a> {
     let is = |node: &Node<'_, '_>| node.attribute("type") == Some(what) || node.attribute("name") == Some(what);
@@ -86,7 +86,7 @@ fn numbers(node: Node<'_, '_>, name: &str) -> Vec<f32> {
     }
 }
 
-/// Vertices and triangles of a PLY file that its bytes do hold.
+/// Numbers of vertices and triangles of a PLY file, checked against its bytes.
 #[track_caller]
 fn ply(bytes: &[u8]) -> (usize, usize) {
     let end = b"end_header\n";
@@ -105,7 +105,8 @@ fn ply(bytes: &[u8]) -> (usize, usize) {
     (vertices, triangles)
 }
 
-/// Every file that the scene names is there and no other; every reference has its target. Gives the triangles of all meshes.
+/// Checks that the scene's files are exactly those in the folder, and that every reference has its target. Returns the
+/// triangles of all meshes.
 #[track_caller]
 fn whole(folder: &Path, xml: &str) -> u64 {
     let document = Document::parse(xml).unwrap();
@@ -168,7 +169,7 @@ fn the_camera_and_the_picture_are_the_configs_at_the_frame_that_is_asked_for() {
     for (arguments, origin, target, size) in [
         (&["--frame", "0"][..], "0, 1, 9", "0, 1, 0", ["96", "64"]),
         (&["--frame", "15", "--size", "10x20"], "2, 1, 9", "0, 2, 0", ["10", "20"]),
-        // As a render keeps its last frame.
+        // The default is the last frame, as in a render.
         (&["--set", "frame.size=[8, 4]"], "4, 1, 9", "0, 3, 0", ["8", "4"]),
     ] {
         let output = manylight(&place, &[&["export", "mitsuba", "path.toml"], arguments].concat());
@@ -217,7 +218,7 @@ fn every_kind_of_light_keeps_its_numbers() {
     assert_eq!(["origin", "target"].map(|name| look.attribute(name).unwrap()), ["1, 2, 3", "1.6, 1.2, 3"]);
     assert!(exported.warns("environment"));
 
-    // glTF's falloff is a picture in a beam of full width: black at the rim, white within the inner angle.
+    // glTF's falloff is a texture in a beam of full width: black at the rim, white within the inner angle.
     let exported = Exported::of(&builtin::cornell(), &[spot(SpotFalloff::CosineSquared, 0.5)], Dielectric::Lambert);
     let document = exported.parse();
     let spot_node = find(document.root(), "spot");
@@ -342,7 +343,7 @@ fn what_mitsuba_cannot_do_is_told() {
     colored.materials[0].base_color_map = Some(Map::new(0));
     assert!(Exported::of(&colored, &[], Dielectric::Lambert).warns("vertex colours"));
 
-    // From behind, the quad is seen through.
+    // The camera looks through the quad's back.
     let mut turned = quad(&scene, Material::default());
     turned.draws[0].transform = Affine3A::from_rotation_y(std::f32::consts::PI);
     assert!(Exported::of(&turned, &[], Dielectric::Lambert).warns("back of single-sided"));

@@ -1,4 +1,4 @@
-//! The program and the library from the outside: commands as their users meet them, configs, exports, the README.
+//! Tests of the program and the library from the outside: commands, configs, exports, the README.
 
 mod animated;
 mod bench;

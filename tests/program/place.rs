@@ -1,4 +1,4 @@
-//! The program, run in a folder of a test's own.
+//! Running the program in a folder for one test.
 
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -13,7 +13,7 @@ pub const BOX: &str =
 /// Commands that use no device, and so have no `--device`.
 const WITHOUT_DEVICE: [&str; 3] = ["compare", "export", "report"];
 
-/// A folder that goes when its test ends.
+/// A temporary folder, removed when its test ends.
 pub struct Place(tempfile::TempDir);
 
 impl Place {
@@ -34,7 +34,7 @@ impl Place {
         self.root().join(name)
     }
 
-    /// Writes a file, in folders that are made for it.
+    /// Writes a file, whose folders are made.
     pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
         let path = self.path(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -66,7 +66,7 @@ impl Place {
         names
     }
 
-    /// The files of a folder and what is in them.
+    /// Files of a folder, with their content.
     #[track_caller]
     pub fn files(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
         let names = self.names(folder).into_iter().filter(|name| self.path(folder).join(name).is_file());
@@ -83,7 +83,7 @@ impl Place {
         command
     }
 
-    /// The program with the words of a line as its arguments; on the software device where the line names none.
+    /// The program with the words of a line as arguments, on the software device if the line names none.
     pub fn command(&self, line: &str) -> Command {
         let mut command = self.manylight();
         command.args(line.split_whitespace());
@@ -98,7 +98,7 @@ impl Place {
         self.command(line).output().unwrap()
     }
 
-    /// Both outputs of a run that ends well.
+    /// stdout and stderr of a run that must succeed.
     #[track_caller]
     pub fn says(&self, line: &str) -> [String; 2] {
         let output = self.run(line);
@@ -106,20 +106,20 @@ impl Place {
         [text(&output.stdout), text(&output.stderr)]
     }
 
-    /// What a run that ends well prints.
+    /// stdout of a run that must succeed.
     #[track_caller]
     pub fn succeeds(&self, line: &str) -> String {
         let [stdout, _] = self.says(line);
         stdout
     }
 
-    /// A run ends as [`failed`] holds.
+    /// Checks a run by [`failed`].
     #[track_caller]
     pub fn fails(&self, line: &str, code: i32, says: &[&str]) {
         failed(line, &self.run(line), code, says);
     }
 
-    /// A run ends as bad input does.
+    /// Checks that a run ends as bad input.
     #[track_caller]
     pub fn refuses(&self, line: &str, says: &[&str]) {
         self.fails(line, 2, says);
@@ -130,7 +130,7 @@ pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// A run ended with this code, and with one line on stderr that says all of this; what is on stdout.
+/// Checks the exit code and the one line on stderr, which must contain all of `says`. Returns stdout.
 #[track_caller]
 pub fn ended(what: &str, output: &Output, code: i32, says: &[&str]) -> String {
     let stderr = text(&output.stderr);
@@ -143,7 +143,7 @@ pub fn ended(what: &str, output: &Output, code: i32, says: &[&str]) -> String {
     text(&output.stdout)
 }
 
-/// As [`ended`], with nothing on stdout.
+/// [`ended`] with an empty stdout.
 #[track_caller]
 pub fn failed(what: &str, output: &Output, code: i32, says: &[&str]) {
     assert_eq!(ended(what, output, code, says), "", "{what}");

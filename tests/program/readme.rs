@@ -1,4 +1,4 @@
-//! The README tells the truth where a machine can tell.
+//! Checks of the README against the program.
 
 use manylight::{config, presets};
 

@@ -1,4 +1,4 @@
-//! `manylight reference` as its users meet it: files, stopping and going on, and one sentence for whatever goes wrong.
+//! Tests of `manylight reference` from the outside: files, stopping and resuming, and one sentence for every error.
 
 use crate::place::{Place, text};
 use manylight::output::read_exr;
@@ -17,7 +17,7 @@ fn bytes(path: &Path) -> Vec<u8> {
     fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Ctrl-C, by the shell's own `kill`: not every system has the program.
+/// Sends Ctrl-C by the shell's own `kill`, since not every system has the program.
 fn interrupt(child: &Child) {
     let kill = format!("kill -INT {}", child.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
@@ -50,7 +50,7 @@ fn a_reference_leaves_its_layers_a_picture_and_its_record() {
     assert!(run["counts"]["reference/rays"].as_u64().unwrap() > 4 * 48 * 32);
     assert!(run["checks"]["relative-standard-error"].as_f64().unwrap() > 0.0);
     assert_eq!(run["config"]["frame"]["size"], serde_json::json!([48, 32]));
-    // A render's layers may be compared with it.
+    // A render's layers compare with it.
     place.succeeds("render box.toml -o render --frames 1 --quiet");
     let output = place
         .manylight()
@@ -92,7 +92,7 @@ fn a_run_stops_in_time_at_an_error_and_at_ctrl_c() {
     assert_eq!(child.wait().unwrap().code(), Some(0));
     let done = samples(&place, "stopped");
     assert!((1..1_000_000).contains(&done));
-    // And what there is can be gone on from.
+    // A stopped run can be resumed.
     place.succeeds(&format!("reference box.toml -o stopped --spp {} --resume", done + 2));
     assert_eq!(samples(&place, "stopped"), done + 2);
 }

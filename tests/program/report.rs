@@ -1,4 +1,4 @@
-//! `manylight report` as its users meet it: one file that a browser opens without asking for another.
+//! Tests of `manylight report` from the outside: one file that a browser opens without any other.
 
 use crate::place::{Place, text};
 use serde_json::{Value, json};
@@ -15,7 +15,7 @@ fn in_a_box() -> Place {
     Place::new(&[("box.toml", SMALL)])
 }
 
-/// A place with three renders, a reference of theirs, and a table of one of them.
+/// A folder with three renders, their reference, and a table of one of them.
 fn with_runs() -> Place {
     let place = in_a_box();
     place.succeeds("render box.toml -q --device cpu -o coarse --set gather.interleave=4");
@@ -47,7 +47,7 @@ fn table(device: &Value) -> Value {
     })
 }
 
-/// A browser that can do without a screen; `$MANYLIGHT_BROWSER` comes first.
+/// A browser with a headless mode; `$MANYLIGHT_BROWSER` has precedence.
 fn browser() -> Option<PathBuf> {
     let chosen = std::env::var_os("MANYLIGHT_BROWSER").filter(|name| !name.is_empty()).map(PathBuf::from);
     let path = std::env::var_os("PATH").unwrap_or_default();
@@ -55,7 +55,7 @@ fn browser() -> Option<PathBuf> {
     chosen.or_else(|| ["chromium", "chromium-browser", "google-chrome"].into_iter().find_map(find))
 }
 
-/// What the browser prints; it has a minute and a profile of its own.
+/// Output of the browser, which has a minute and its own profile.
 fn browse(browser: &Path, place: &Place, options: &[&str], page: &Path) -> Output {
     let profile = tempfile::tempdir().unwrap();
     let mut command = Command::new(browser);
@@ -100,13 +100,13 @@ fn a_report_shows_runs_beside_their_reference_and_a_table() {
     ] {
         assert!(html.contains(part), "{part:?} is not in the report");
     }
-    // The table's run has the reference that was given beside it.
+    // The table's run is matched with the reference given beside it.
     assert_eq!(html.matches("<div class=\"slider\">").count(), 3);
     assert_eq!(html.matches("class=\"picture heatmap\"").count(), 3);
     assert_eq!(html.matches("<image id=\"p").count(), 1, "the reference is there once");
-    // The device of the tests is a CPU.
+    // The tests' device is a CPU.
     assert!(html.contains("paper 8.88") && html.contains("paper 0.250×") && !html.contains("paper 77"));
-    // No place of this machine, no clock: again the same.
+    // The page has no path of this machine and no clock: a second one is equal.
     assert!(!html.contains(&*place.root().to_string_lossy()));
     place.succeeds("report table coarse middle truth -o again.html");
     assert!(html == fs::read_to_string(place.path("again.html")).unwrap(), "two reports of the same folders differ");
@@ -119,12 +119,12 @@ fn a_report_shows_runs_beside_their_reference_and_a_table() {
     place.fails("report coarse truth --layer nothing", 2, &["truth/image.exr: has no layer nothing"]);
     match browser() {
         Some(browser) => in_a_browser(&place, &browser),
-        // Past the test harness, which keeps the output of passing tests to itself.
+        // Written directly, since the test harness hides the printed output of passing tests.
         None => writeln!(std::io::stderr(), "SKIPPED: a report in a browser: there is no Chromium on PATH").unwrap(),
     }
 }
 
-/// A part of [`a_report_shows_runs_beside_their_reference_and_a_table`], so that its runs are made once.
+/// Part of [`a_report_shows_runs_beside_their_reference_and_a_table`], so that its runs are made once.
 fn in_a_browser(place: &Place, browser: &Path) {
     let page = place.path("again.html");
     let dom = text(&browse(browser, place, &["--dump-dom"], &page).stdout);
@@ -145,7 +145,7 @@ fn in_a_browser(place: &Place, browser: &Path) {
         let written = (0..pixels).filter(|i| pixel(*i) != pixel(0)).count();
         assert!(written > pixels / 20, "the page is blank: {written} of {pixels} pixels");
         assert_eq!(pixel(0)[0] > 0.5, scheme == "1", "light or dark as asked");
-        // The red wall of the box is seen: the picture is decoded.
+        // The box's red wall is visible: the picture was decoded.
         let red = (0..pixels).filter(|i| pixel(*i)[0] > 3.0 * pixel(*i)[1].max(0.02) && pixel(*i)[0] > 3.0 * pixel(*i)[2].max(0.02));
         assert!(red.count() > 500, "the pictures are not shown");
     }
@@ -163,7 +163,7 @@ fn what_cannot_be_reported_is_said_in_one_sentence() {
     place.write("one/table.json", table(&device).to_string());
     place.write("two/table.json", table(&device).to_string());
     place.fails("report one two", 2, &["two: is a second table of the name interleaving"]);
-    // A table whose runs are not there is still a table.
+    // A table without its runs is still shown.
     place.succeeds("report one");
     assert!(fs::read_to_string(place.path("report.html")).unwrap().contains("Folders that are not there: k1."));
     place.write("file", "in the way");

@@ -1,4 +1,4 @@
-//! Tables from the command line: repeated, in parts, resumed, refused.
+//! Tables from the command line: repeated, sharded, resumed, refused.
 
 use crate::place::{Place, text};
 use serde_json::Value;
@@ -63,7 +63,7 @@ impl Tables {
         Self(Place::new(&[("small.toml", TABLE)]))
     }
 
-    /// With a cache of its own for truths.
+    /// The command with its own cache of references.
     fn command(&self, options: &[&str]) -> Command {
         let mut command = self.0.command("reproduce small.toml --quiet");
         command.args(options).env("XDG_CACHE_HOME", self.path("cache"));
@@ -91,7 +91,7 @@ impl Tables {
     }
 }
 
-/// The cells of a table that are no times, as text to the last digit.
+/// Cells of a table that are no times, as text with all digits.
 fn without_times(table: &Value) -> Vec<String> {
     let cells = table["cells"].as_array().unwrap().iter().flat_map(|row| row.as_array().unwrap());
     let timed = |cell: &&Value| ["ms", "x"].contains(&cell["unit"].as_str().unwrap());
@@ -138,7 +138,7 @@ fn the_parts_of_a_sweep_joined_are_the_whole() {
     let joined = place.table(&["--merge", "part-1", "part-2"], "joined");
     assert_eq!(joined["complete"], true);
     assert_eq!(without_times(&joined), without_times(&whole));
-    // Of one part alone there is no whole.
+    // One part alone cannot be merged to the whole.
     let output = place.run(&["-o", "half", "--merge", "part-1"]);
     assert_eq!(output.status.code(), Some(2));
     let error = text(&output.stderr);
@@ -218,7 +218,7 @@ fn a_table_that_is_wrong_is_refused_before_anything_is_rendered() {
         assert!(error.contains(expected), "{error}");
         assert!(!place.path("out").exists(), "{to}");
     }
-    // What only frames know is refused before the first of them too.
+    // Names known only to frames are refused before the first frame too.
     for (from, to, expected) in [
         (
             "time = \"gather\"",

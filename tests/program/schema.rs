@@ -1,10 +1,10 @@
-//! The JSON Schema that editors take: it lets through what the program takes, and finds the mistakes that it can find.
+//! The JSON Schema for editors: it accepts what the program accepts, and finds mistakes within its reach.
 
 use manylight::{config, presets};
 use serde_json::{Value, json};
 
-/// The first place where a value is not as a schema has it. Knows the words that our schema uses, and no others: a validator's crate would
-/// bring thirty more.
+/// The first place where a value breaks a schema. Only our schema's keywords are known: a validator crate would add thirty
+/// dependencies.
 fn mistake(value: &Value, schema: &Value, at: &str) -> Option<String> {
     let number = value.as_f64();
     let items = value.as_array();

@@ -1,5 +1,5 @@
-//! `manylight flicker` and sequences of frames as their users meet them: files, parts that make a whole, going on, and one sentence
-//! for whatever goes wrong.
+//! Tests of `manylight flicker` and sequences of frames from the outside: files, shards, resuming, and one sentence for every
+//! error.
 
 use crate::place::{Place, text};
 use serde_json::{Value, json};
@@ -47,7 +47,7 @@ fn a_walk_leaves_a_line_a_pair_its_figures_and_its_maps() {
         assert_eq!(row[2].parse::<f64>().unwrap(), figure(step, "flicker"));
     }
 
-    // As JSON it is the file; quietly it is the walk; and it is the same each time.
+    // JSON on stdout equals the file, quiet output is the path's line, and both repeat.
     assert_eq!(place.succeeds("flicker walk.toml -o again --json"), text(&fs::read(place.path("out/flicker.json")).unwrap()));
     assert_eq!(place.succeeds("flicker walk.toml -o again -q"), format!("{}\nagain{}\n", stdout.lines().nth(4).unwrap(), &csv_path[3..]));
     assert_eq!(place.files("out"), place.files("again"));
@@ -68,7 +68,7 @@ fn a_sequence_in_parts_is_the_whole_one_and_can_be_compared_and_walked_against()
     }
     assert!(whole["0004.png"] == place.files("whole")["image.png"] && whole["0000.png"] != whole["0004.png"]);
 
-    // Two parts into one folder, the third into one of its own.
+    // Two shards write to one folder, the third to its own.
     for (part, folder) in [(1, "parts"), (2, "parts"), (3, "other")] {
         place.succeeds(&format!("render walk.toml -o {folder} --sequence --shard {part}/3 -q"));
     }
@@ -81,11 +81,11 @@ fn a_sequence_in_parts_is_the_whole_one_and_can_be_compared_and_walked_against()
     assert_eq!(place.names("other"), ["frames", "run.3-of-3.json", "timings.3-of-3.csv"]);
     assert_eq!(place.json("parts/run.1-of-3.json")["frames"], 2);
 
-    // The PNGs beside the EXRs are no frames of their own.
+    // PNGs beside EXRs do not count as frames.
     let compared = place.succeeds("compare whole/frames whole/frames --layer indirect --max-rmse 0");
     assert_eq!(compared.lines().count(), 6, "{compared}");
 
-    // Held against itself a walk has no excess and no error.
+    // Against itself a path has no excess and no error.
     let stdout = place.succeeds("flicker walk.toml -o flicker --reference whole");
     assert!(stdout.lines().take(5).all(|line| line.ends_with("  excess 0  rmse 0")), "{stdout}");
     let other = place.succeeds("flicker walk.toml -o flicker --reference whole/frames --set compose.exposure=2 --set light=[] -q --json");
@@ -114,7 +114,7 @@ fn a_reference_of_every_frame_is_made_in_parts_and_goes_on_where_it_was() {
 
     run("-o parts --sequence --shard 1/2 -q");
     assert_eq!(place.names("parts/frames"), [&frames(3)[..2], &frames(3)[4..]].concat());
-    // The rest, and what is there is left alone.
+    // Resuming traces the missing frame and leaves the others alone.
     let stdout = run("-o parts --sequence --resume");
     let how: Vec<bool> = stdout.lines().take(3).map(|line| line.ends_with("done before")).collect();
     assert_eq!(how, [true, false, true], "{stdout}");
@@ -122,7 +122,7 @@ fn a_reference_of_every_frame_is_made_in_parts_and_goes_on_where_it_was() {
     assert!(place.files("parts")["image.exr"] == whole["0002.exr"]);
     assert_eq!(place.json("parts/run.json")["checks"]["frames"]["0001"]["samples"], 3);
 
-    // Fewer paths to begin with, a picture that was lost, and one of another number of paths: all end as the whole.
+    // A frame of fewer paths, a lost picture, and a picture of another number of paths: all end as in the whole.
     place.succeeds("reference walk.toml --spp 1 --bounces 1 --set frame.count=3 -o short --sequence -q");
     fs::copy(place.path("whole/sums/0001.exr"), place.path("short/sums/0001.exr")).unwrap();
     for folder in ["frames", "sums"] {
@@ -135,7 +135,7 @@ fn a_reference_of_every_frame_is_made_in_parts_and_goes_on_where_it_was() {
         let stdout = place.succeeds(&format!("reference walk.toml --bounces 1 --set frame.count=3 -o more --sequence {line}"));
         stdout.lines().take(3).map(|line| line.split_whitespace().nth(1).unwrap().parse::<u32>().unwrap()).collect::<Vec<_>>()
     };
-    // Each frame by its own error; an easy aim is met at the first look.
+    // Each frame ends by its own error; an easy goal is met at the first check.
     assert_eq!(samples("--spp 40 --target-error 1e6"), [16; 3]);
     assert_eq!(samples("--spp 40 --target-error 1e6 --resume"), [16; 3]);
 
@@ -143,7 +143,7 @@ fn a_reference_of_every_frame_is_made_in_parts_and_goes_on_where_it_was() {
         "reference walk.toml --spp 3 --bounces 1 --set frame.count=3 -o short --sequence --resume --set frame.seed=8",
         &["short/sums/0000.exr", "another config, scene or seed"],
     );
-    // Its frames are a reference for a walk.
+    // The sequence's frames are a reference for the flicker of the same path.
     let walk = place.succeeds("flicker walk.toml -o flicker --frames 3 --reference whole --layer indirect -q");
     assert!(walk.contains("  reference ") && walk.contains("  excess ") && walk.contains("  rmse "), "{walk}");
 }
@@ -188,7 +188,7 @@ fn a_preset_that_starts_from_another_walks_in_any_folder_by_its_name() {
     assert!(stdout.contains("0000-0001 RGB  flicker 0."), "{stdout}");
     let json = place.json("out/flicker.json");
     assert_eq!((&json["preset"], &json["config"]["compose"]["exposure"]), (&"atrium-walk".into(), &json!(1.3f32)), "the base's exposure");
-    // A file of that name is what a config in its folder starts from.
+    // A file of the base's name in the current folder comes before the preset.
     fs::write(place.path("first-light.toml"), "[compose]\nexposure = 5.0\n").unwrap();
     place.succeeds(&format!("{line} -o out -q"));
     assert_eq!(place.json("out/flicker.json")["config"]["compose"]["exposure"], 5.0);

@@ -1,4 +1,4 @@
-//! One frame of a reference: traced, kept, written.
+//! One frame of a reference: tracing, saving sums, writing.
 
 use super::STOPPED;
 use crate::commands::progress::Progress;
@@ -17,31 +17,31 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-/// What has been traced is kept so often, so that a run that is cut off loses no more.
+/// Interval at which sums are saved: a run that is cut off loses no more.
 const KEPT_EVERY: Duration = Duration::from_secs(60);
 
-/// Where a frame's files go.
+/// Paths of a frame's files.
 pub struct Files {
     pub sums: PathBuf,
     pub exr: PathBuf,
     pub png: PathBuf,
 }
 
-/// When a frame is good enough.
+/// Conditions that end a frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Goal {
-    /// Paths a pixel at most.
+    /// Paths per pixel at most.
     pub spp: u32,
-    /// Relative standard error.
+    /// Relative standard error to reach.
     pub target_error: Option<f64>,
-    /// Seconds.
+    /// Time, s.
     pub time: Option<f64>,
 }
 
-/// What all frames of a run share.
+/// Data that all frames of a run share.
 pub struct Run<'r> {
     pub goal: Goal,
-    /// Whether times go by the frame, and not by the sample.
+    /// Whether times are listed by frame and not by sample.
     pub is_sequence: bool,
     pub config: &'r Config,
     pub execution: &'r Execution,
@@ -49,16 +49,16 @@ pub struct Run<'r> {
     pub from: Provenance,
 }
 
-/// What came of a frame.
+/// Result of a frame.
 pub struct Traced {
     pub samples: u32,
     pub rays: u64,
     pub seconds: f64,
-    /// Of each sample that this run traced.
+    /// Times of the samples that this run traced.
     pub times: Vec<PassTime>,
     /// [`Sums::relative_error`].
     pub error: f64,
-    /// Bytes of what a submission had, by name.
+    /// Bytes of a submission's resources, by name.
     pub memory: Vec<(String, u64)>,
 }
 
@@ -74,7 +74,7 @@ impl Run<'_> {
         }
     }
 
-    /// What an earlier run left of a frame, if it is all that this run would make: its sums, its pictures of as many samples.
+    /// The frame as an earlier run left it, if no sample is missing: its sums, and pictures of as many samples.
     pub fn finished(&self, files: &Files, before: &Sums) -> Result<Option<Traced>> {
         let error = before.relative_error();
         if !self.is_done(before.samples, || Ok(error))? || !files.png.is_file() || !files.exr.is_file() {
@@ -85,7 +85,7 @@ impl Run<'_> {
         Ok(is_of_them.then_some(Traced { samples: before.samples, rays: 0, seconds: 0.0, times: Vec::new(), error, memory: Vec::new() }))
     }
 
-    /// Traces a frame until something says stop, and writes it: the sums last, so that whoever finds them finds the rest.
+    /// Traces a frame until a goal is reached, and writes it: the sums last, so that sums imply the other files.
     pub fn trace(
         &self,
         renderer: &mut Renderer,
@@ -97,7 +97,7 @@ impl Run<'_> {
         let mut tracer = Tracer::new(renderer, self.config, settings, before)?;
         self.progress.say("preparing the shaders");
         tracer.prepare(renderer)?;
-        // Whatever the end of the run needs is needed once before, so that it does not fail for want of memory after hours.
+        // Features and sums are read once before tracing: a lack of memory shows now and not after hours.
         let features = tracer.features(renderer)?;
         tracer.sums(renderer)?;
 
@@ -105,7 +105,7 @@ impl Run<'_> {
         let (start, mut kept_at) = (Instant::now(), Instant::now());
         let mut times = Vec::new();
         let mut rays = 0;
-        // A run that is stopped while it makes ready leaves one sample, so that there is something.
+        // A run that is stopped during its preparation still traces one sample, so that there is a result.
         while tracer.samples() < goal.spp && (tracer.samples() == 0 || !STOPPED.load(Ordering::Relaxed)) {
             let _span = trace::span(format_args!("sample {}", tracer.samples()));
             let (traced, ms) = tracer.sample(renderer, self.execution)?;
@@ -144,7 +144,7 @@ impl Run<'_> {
 }
 
 impl Run<'_> {
-    /// The record of a frame that was traced, without warnings.
+    /// The record of a traced frame, without warnings.
     pub fn record(&self, renderer: &Renderer, settings: Settings, traced: &Traced) -> Result<RunReport> {
         let counts = [
             ("reference/samples", u64::from(traced.samples)),
@@ -164,16 +164,16 @@ impl Run<'_> {
         })
     }
 
-    /// How sure it is, and which truth.
+    /// The reference's standard error, and its variant.
     pub fn checks(&self, settings: Settings, error: f64) -> BTreeMap<String, Value> {
-        // JSON has no infinity: with one path a pixel, nothing is known.
+        // JSON has no infinity; with one path per pixel the error is unknown.
         let error = json!(error.is_finite().then_some(error));
         let of = json!({ "centers": settings.centered, "min_distance": settings.min_distance });
         [("relative-standard-error".to_owned(), error), ("reference".to_owned(), of)].into()
     }
 }
 
-/// The error is looked at after 16 samples and then each time that there are a quarter more: at the same counts in every run.
+/// Whether the error is estimated at this count: at 16 samples, then after every quarter more, the same counts in every run.
 fn is_checked(samples: u32) -> bool {
     let mut next = 16;
     while next < samples {
@@ -182,7 +182,7 @@ fn is_checked(samples: u32) -> bool {
     next == samples
 }
 
-/// The EXR's layers: those of a render, and the bounces one by one and the variance of the mean radiance.
+/// The EXR's layers: a render's, each bounce, and the variance of the mean radiance.
 fn layers(sums: &Sums, features: &Features) -> Vec<ExrLayer> {
     let flat = |texels: Vec<[f32; 4]>| texels.into_flattened();
     let color = |name: &str, texels: Vec<[f32; 4]>| ExrLayer::interleaved(name, "RGB", 4, &flat(texels), Precision::Float);

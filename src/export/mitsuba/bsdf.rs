@@ -1,13 +1,13 @@
 //! Materials as Mitsuba's BSDFs.
 //!
-//! Lambert is `diffuse`. A metal is `principled`, whose Schlick Fresnel, GGX and clamped alpha are ours; its Smith term is the
-//! separable one, which is darker where surfaces are rough: by 0.3 percent at roughness 0.3, 2 at 0.6 and 14 at 1, and by
-//! nothing that could be measured below 0.15 (mean over all directions; `roughconductor`, whose Fresnel is another curve, is a
-//! median half percent off for light metals and six for dark ones, at any roughness). What is partly metal is a `blendbsdf` of
-//! the two.
+//! Lambert is `diffuse`. A metal is `principled`, whose Schlick Fresnel, GGX and clamped alpha equal ours. Its Smith term is
+//! the separable one, which is darker on rough surfaces: by 0.3 percent at roughness 0.3, 2 at 0.6 and 14 at 1, and by nothing
+//! measurable below 0.15 (mean over all directions). `roughconductor`, whose Fresnel is another curve, is a median half percent
+//! off for light metals and six for dark ones, at any roughness. A partly metallic material is a `blendbsdf` of `diffuse` and
+//! `principled`.
 //!
-//! Where an interpolated normal faces away from a viewer whom the surface itself faces, ours reflects and Mitsuba's is black: up to
-//! a percent of the light that smooth coarse meshes bounce.
+//! A viewer in front of the surface but behind its interpolated normal sees it reflect in ours, and black in Mitsuba: up to a
+//! percent of the light that smooth coarse meshes bounce.
 
 use super::super::Warnings;
 use super::super::meshes::Kind;
@@ -17,14 +17,14 @@ use crate::config::Dielectric;
 use crate::scene::{Map, Material};
 use anyhow::Result;
 
-/// A number that a map may vary.
+/// A number, or a map.
 enum Value {
     Number(f32),
     Map(Map, Content),
 }
 
 impl Value {
-    /// A factor and the channel of a map that it multiplies.
+    /// A factor times the channel of a map.
     fn new(factor: f32, map: Option<Map>, channel: usize, textures: &Textures<'_>) -> Self {
         match map {
             Some(map) if factor > 0.0 => match textures.constant(&map, channel) {
@@ -43,7 +43,7 @@ impl Value {
     }
 }
 
-/// A surface for the meshes of this kind; `None` where all of it is a hole.
+/// The BSDF of this kind's meshes; `None` if the material is entirely transparent.
 pub fn surface(
     material: &Material,
     kind: Kind,
@@ -73,11 +73,11 @@ pub fn surface(
     if material.double_sided {
         bsdf = Element::plugin("bsdf", "twosided").child(bsdf);
     }
-    // Around both sides: seen from behind, a mapped normal is turned around as a whole.
+    // The normal map wraps both sides: seen from behind, a mapped normal is flipped as a whole.
     if let Some(map) = material.normal_map {
         let content = Content::Normals { scale: material.normal_scale, left_handed: kind.left_handed };
         let map = textures.element("normalmap", &map, content, warnings)?;
-        // Ours has no function that softens where light begins to come from below the surface.
+        // Ours has no shadowing function that softens grazing light at the geometric horizon.
         let soft = Element::value("boolean", "use_shadowing_function", false);
         bsdf = Element::plugin("bsdf", "normalmap").children([map, soft, bsdf]);
     }
@@ -93,7 +93,7 @@ enum Opacity {
     Masked(Map, Content),
 }
 
-/// What a material's alpha leaves of it.
+/// Opacity by a material's alpha.
 fn opacity(material: &Material, textures: &Textures<'_>) -> Opacity {
     let Some(cutoff) = material.alpha_cutoff else { return Opacity::Solid };
     let factor = material.base_color[3];
@@ -105,7 +105,7 @@ fn opacity(material: &Material, textures: &Textures<'_>) -> Opacity {
     }
 }
 
-/// What the parts of a surface are made from: only those that are used write their textures.
+/// Inputs of a surface's parts. Textures are only written for parts in use.
 struct Surface<'a, 's> {
     material: &'a Material,
     kind: Kind,
@@ -135,8 +135,8 @@ impl Surface<'_, '_> {
         Ok(Element::plugin("bsdf", "diffuse").child(self.color("reflectance")?))
     }
 
-    /// GGX of F0 = 0.04 over Lambert. `principled` has the Fresnel but a diffuse lobe that turns back along the light where it is
-    /// rough (17 percent brighter at roughness 1); there a fixed share of 0.04 is nearer.
+    /// GGX of F0 = 0.04 over Lambert. `principled` has the Fresnel, but its diffuse lobe is retroreflective on rough surfaces
+    /// (17 percent brighter at roughness 1). There, a fixed share of 0.04 is closer.
     fn coated(&mut self) -> Result<Element> {
         const FIXED_FROM: f32 = 0.7;
         if !matches!(self.roughness, Value::Number(roughness) if roughness >= FIXED_FROM) {
@@ -159,7 +159,7 @@ impl Surface<'_, '_> {
         ]))
     }
 
-    /// The base colour as a property of this name.
+    /// The base colour as the property `name`.
     fn color(&mut self, name: &str) -> Result<Element> {
         let [r, g, b, _] = self.material.base_color;
         match self.material.base_color_map {
@@ -172,7 +172,7 @@ impl Surface<'_, '_> {
                 }
                 self.textures.element(name, &map, Content::Color([r, g, b]), self.warnings)
             }
-            // The factor is in the colours already.
+            // The vertex colours contain the factor already.
             None if self.kind.colored => {
                 let attribute = Element::plugin("texture", "mesh_attribute").with("name", name);
                 Ok(attribute.child(Element::value("string", "name", "vertex_color")))

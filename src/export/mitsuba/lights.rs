@@ -11,7 +11,7 @@ use anyhow::Result;
 use glam::Vec3;
 use std::path::Path;
 
-/// The emitters of these lights; `folder` is the scene's.
+/// The emitters of these lights. `folder` is the scene's.
 pub fn emitters(lights: &[Light], folder: &Path, warnings: &mut Warnings) -> Result<Vec<Element>> {
     lights.iter().enumerate().map(|(number, light)| emitter(light, number, folder, warnings)).collect()
 }
@@ -39,7 +39,8 @@ fn emitter(light: &Light, number: usize, folder: &Path, warnings: &mut Warnings)
                 .child(Element::rgb("intensity", intensity.into()))
                 .child(Element::value("float", "cutoff_angle", widest.to_degrees()));
             if falloff == SpotFalloff::CosineSquared && inner < outer {
-                // Mitsuba falls off linearly in angle: its beam is as wide as the light, and what falls off is the picture in it.
+                // Mitsuba's falloff is linear in angle. The beam is as wide as the light instead, and a texture holds the
+                // falloff.
                 let file = format!("{}/spot-{number}.exr", Textures::FOLDER);
                 write_exr(&folder.join(&file), FALLOFF_SIZE, FALLOFF_SIZE, vec![falloff_picture(inner, outer, widest)], &[])?;
                 spot = spot.child(Element::value("float", "beam_width", widest.to_degrees()));
@@ -56,10 +57,10 @@ fn emitter(light: &Light, number: usize, folder: &Path, warnings: &mut Warnings)
     })
 }
 
-/// Texels across the picture of a spot light's falloff.
+/// Side of the texture of a spot light's falloff, texels.
 const FALLOFF_SIZE: u32 = 1024;
 
-/// How KHR_lights_punctual falls off, on the plane at distance 1 as far as the tangent of `widest`.
+/// The falloff of KHR_lights_punctual on the plane at distance 1, out to the tangent of `widest`.
 fn falloff_picture(inner: f32, outer: f32, widest: f32) -> ExrLayer {
     let tangent = widest.tan();
     let at = |i: u32| ((i as f32 + 0.5) / FALLOFF_SIZE as f32 * 2.0 - 1.0) * tangent;

@@ -1,6 +1,6 @@
 //! Mitsuba 3: `scene.xml` with PLY meshes and textures beside it.
 //!
-//! The integrator is `path`, or `volpath` where there are masks: the light of the former stops at holes.
+//! The integrator is `path`, or `volpath` if there are masks: `path` takes holes as opaque for light.
 
 mod bsdf;
 mod lights;
@@ -16,17 +16,17 @@ use anyhow::Result;
 use std::path::{Path, PathBuf};
 use textures::{Content, Textures};
 
-/// What a frame shows.
+/// A frame to export.
 pub struct Shot<'a> {
     pub scene: &'a Scene,
     pub camera: &'a Camera,
     pub lights: &'a [Light],
-    /// Of the picture, pixels.
+    /// Size of the picture, pixels.
     pub size: [u32; 2],
     pub dielectric: Dielectric,
 }
 
-/// Writes a frame's scene into a folder: where `scene.xml` is, and what differs from our own picture of it.
+/// Writes a frame's scene into a folder. Returns the path of `scene.xml`, and differences from our own picture.
 pub fn write(folder: &Path, shot: &Shot<'_>) -> Result<(PathBuf, Vec<String>)> {
     for part in [MESHES, Textures::FOLDER] {
         prepare_folder(&folder.join(part))?;
@@ -51,7 +51,7 @@ pub fn write(folder: &Path, shot: &Shot<'_>) -> Result<(PathBuf, Vec<String>)> {
             .with("version", "3.0.0")
             .children([
                 parameter("spp", 64),
-                // What a frame of ours holds: light, surface, surface, camera.
+                // Paths of our frames have three segments: light to surface, surface to surface, surface to camera.
                 parameter("max_depth", 3),
                 parameter("integrator", if masked { "volpath" } else { "path" }),
                 Element::plugin("integrator", "$integrator")
@@ -66,10 +66,10 @@ pub fn write(folder: &Path, shot: &Shot<'_>) -> Result<(PathBuf, Vec<String>)> {
     Ok((path, warnings.sentences()))
 }
 
-/// The folder of the meshes, below the scene's.
+/// Folder of the meshes in the scene's folder.
 const MESHES: &str = "meshes";
 
-/// What may be set with `-D` on Mitsuba's command line.
+/// A parameter that `-D` on Mitsuba's command line sets.
 fn parameter(name: &str, value: impl std::fmt::Display) -> Element {
     Element::value("default", name, value)
 }
@@ -99,7 +99,7 @@ fn glows(material: &Material) -> bool {
     material.emission.iter().any(|value| *value > 0.0)
 }
 
-/// Materials and meshes; the meshes' files are written.
+/// The elements of materials and meshes; writes the meshes' files.
 fn shapes(folder: &Path, shot: &Shot<'_>, bounds: Aabb, warnings: &mut Warnings) -> Result<Vec<Element>> {
     let texture_folder = folder.join(Textures::FOLDER);
     let mut textures = Textures::new(shot.scene, &texture_folder);
@@ -109,7 +109,7 @@ fn shapes(folder: &Path, shot: &Shot<'_>, bounds: Aabb, warnings: &mut Warnings)
         let material = &shot.scene.materials[kind.material as usize];
         let Some(bsdf) = bsdf::surface(material, kind, shot.dielectric, &mut textures, warnings)? else { continue };
         let name = names.unique(&material.name);
-        // Ids have a prefix, since meshes and materials share theirs.
+        // Ids get prefixes, since meshes and materials have equal names.
         let id = format!("material-{name}");
         bsdfs.push(bsdf.with("id", &id));
         let mut faces = vec![(name.clone(), None)];
@@ -118,7 +118,7 @@ fn shapes(folder: &Path, shot: &Shot<'_>, bounds: Aabb, warnings: &mut Warnings)
             if material.alpha_cutoff.is_some() {
                 warnings.add(format!("material {:?}: its holes glow in Mitsuba", material.name));
             }
-            // An area light shines from its front alone.
+            // An area light shines only from its front.
             if material.double_sided {
                 faces.push((names.unique(&format!("{name}-back")), Some(mesh.back(1e-5 * bounds.size().length()))));
             }

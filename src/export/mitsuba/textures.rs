@@ -1,4 +1,4 @@
-//! Textures: each written once in each of the forms that materials need.
+//! Textures, each written once in each form that materials need.
 
 use super::super::xml::Element;
 use super::super::{Names, Warnings};
@@ -9,20 +9,20 @@ use crate::scene::{Filter, Map, Scene, Texture, Wrap};
 use anyhow::Result;
 use std::path::Path;
 
-/// What is written of a texture.
+/// Form of a written texture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Content {
-    /// Its colours, times a factor.
+    /// Colours times a factor.
     Color([f32; 3]),
     /// One channel as data, times a factor.
     Channel(usize, f32),
-    /// 1 where its alpha times a factor reaches the cutoff, else 0; looked up as the map is.
+    /// 1 where alpha times `factor` reaches the cutoff, else 0; sampled with the map's filter and wrapping.
     Opacity { factor: f32, cutoff: f32, wrap: [Wrap; 2], filter: Filter },
-    /// Its normals with x and y scaled, and y turned where the map lies mirrored.
+    /// Normals with x and y scaled, and y flipped for a mirrored map.
     Normals { scale: f32, left_handed: bool },
 }
 
-/// Writes textures into a folder and remembers which are there.
+/// Writes textures into a folder, each once.
 pub struct Textures<'a> {
     scene: &'a Scene,
     folder: &'a Path,
@@ -33,14 +33,14 @@ pub struct Textures<'a> {
 #[derive(Clone)]
 struct Written {
     file: String,
-    /// Numbers, which no curve is to be taken off.
+    /// Whether values are linear data, without an sRGB curve.
     raw: bool,
-    /// Between whose texels nothing is.
+    /// Whether the texture must be sampled without interpolation.
     stepped: bool,
 }
 
 impl<'a> Textures<'a> {
-    /// The folder below the scene's.
+    /// Folder of the textures in the scene's folder.
     pub const FOLDER: &'static str = "textures";
 
     pub fn new(scene: &'a Scene, folder: &'a Path) -> Self {
@@ -51,14 +51,14 @@ impl<'a> Textures<'a> {
         &self.scene.textures[map.texture as usize]
     }
 
-    /// The value of a channel that is the same all over the texture.
+    /// The value of a channel if it is constant over the texture.
     pub fn constant(&self, map: &Map, channel: usize) -> Option<f32> {
         let mut values = self.get(map).texels.chunks_exact(4).map(|texel| texel[channel]);
         let first = values.next()?;
         values.all(|value| value == first).then(|| f32::from(first) / 255.0)
     }
 
-    /// A texture as the property `name` of what it is a part of.
+    /// The texture as the property `name`; writes its file at first use.
     pub fn element(&mut self, name: &str, map: &Map, content: Content, warnings: &mut Warnings) -> Result<Element> {
         let written = match self.written.iter().find(|(texture, form, _)| (*texture, *form) == (map.texture, content)) {
             Some((.., written)) => written.clone(),
@@ -84,7 +84,7 @@ impl<'a> Textures<'a> {
             Element::value("string", "filter_type", filter),
             Element::value("boolean", "raw", written.raw),
         ]);
-        // Texture coordinates are ours: (0, 0) is the upper left corner in both.
+        // (0, 0) is the upper left corner of the image for both renderers.
         let [a, b, c, d] = map.matrix.to_cols_array();
         if ([a, b, c, d], map.offset.to_array()) != ([1.0, 0.0, 0.0, 1.0], [0.0, 0.0]) {
             let rows = format!("{a} {c} 0 {} {b} {d} 0 {} 0 0 1 0 0 0 0 1", map.offset.x, map.offset.y);
@@ -107,7 +107,7 @@ impl<'a> Textures<'a> {
         let png = |raw, stepped| Written { file: format!("{name}.png"), raw, stepped };
         let path = |written: &Written| self.folder.join(&written.file);
         match content {
-            // As it is where 8 bits hold it exactly, in floats where they would not.
+            // Content that 8 bits hold exactly is written as PNG, other content as floats.
             Content::Color([1.0, 1.0, 1.0]) => {
                 let written = png(!texture.srgb, false);
                 let rgb: Vec<u8> = texels().flat_map(|texel| [texel[0], texel[1], texel[2]]).collect();
@@ -135,7 +135,7 @@ impl<'a> Textures<'a> {
                 Ok(written)
             }
             Content::Normals { scale, left_handed } => {
-                // Only the direction counts, so that a large scale shrinks the rest and all stays in [0, 1].
+                // Only the direction matters: a large scale shrinks the other components instead, so that all stay in [0, 1].
                 let most = scale.abs().max(1.0);
                 let factors = [scale / most, if left_handed { -scale } else { scale } / most, 1.0 / most];
                 let component = |(byte, factor): (&u8, f32)| (f32::from(*byte) / 255.0 * 2.0 - 1.0) * factor * 0.5 + 0.5;
@@ -153,8 +153,8 @@ impl<'a> Textures<'a> {
     }
 }
 
-/// Where a surface is: filtered first and cut off then, as the shaders do it, at several points a texel, since a renderer that
-/// filters what is cut off already would make rims half transparent.
+/// Opacity filtered first and thresholded then, as in our shaders, at several points per texel. A renderer that filtered
+/// thresholded texels would make edges half transparent.
 fn opacity(texture: &Texture, [wrap_u, wrap_v]: [Wrap; 2], filter: Filter, factor: f32, cutoff: f32) -> (u32, u32, Vec<u8>) {
     const LARGEST: u32 = 4096;
     let points = match filter {
@@ -195,7 +195,8 @@ mod tests {
 
     #[test]
     fn opacity_is_cut_off_between_texels_where_filtering_has_it() {
-        // Alpha 0 and 1 side by side, repeated: it passes one half on the line between the texels and at the texture's border.
+        // Alpha 0 and 1 side by side, repeated: the filtered alpha crosses one half between the texels and at the texture's
+        // border.
         let texture = Texture { name: "a".into(), width: 2, height: 1, srgb: true, texels: vec![9, 9, 9, 0, 9, 9, 9, 255] };
         let cut = |wrap_u, filter, cutoff| opacity(&texture, [wrap_u, Wrap::Repeat], filter, 1.0, cutoff);
         let (width, height, pixels) = cut(Wrap::Repeat, Filter::Linear, 0.5);

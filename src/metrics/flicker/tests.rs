@@ -9,7 +9,7 @@ fn view(position: Vec3, target: Vec3, size: [u32; 2]) -> View {
     View::new(&Camera { name: String::new(), position, target, up, fov_y_deg: 60.0 }, size, BOUNDS)
 }
 
-/// What a view shows of planes, each through a point and with a normal towards which its front is.
+/// Surfaces that a view sees of planes, each given by a point and the normal of its front.
 fn see(view: View, planes: &[(Vec3, Vec3)]) -> Surfaces {
     let (mut positions, mut normals) = (Vec::new(), Vec::new());
     for pixel in 0..view.width * view.height {
@@ -28,7 +28,7 @@ fn see(view: View, planes: &[(Vec3, Vec3)]) -> Surfaces {
 
 const FLOOR: (Vec3, Vec3) = (Vec3::ZERO, Vec3::Y);
 
-/// Light of a small lamp at (0, 3, 0) on a Lambertian floor.
+/// Radiance of a Lambertian floor under a small lamp at (0, 3, 0).
 fn lit(surfaces: &Surfaces) -> Vec<f32> {
     let light = |(p, n): (&Vec3, &Vec3)| {
         let to = Vec3::Y * 3.0 - *p;
@@ -38,7 +38,7 @@ fn lit(surfaces: &Surfaces) -> Vec<f32> {
     surfaces.positions.iter().zip(&surfaces.normals).map(light).collect()
 }
 
-/// Normally distributed numbers of standard deviation 1, the same for the same seed (Box and Muller 1958).
+/// Normally distributed numbers of standard deviation 1, a function of the seed (Box and Muller 1958).
 fn noise(count: usize, seed: u64) -> Vec<f32> {
     let uniform = |i: u64| {
         let mut z = i.wrapping_add(seed << 32).wrapping_mul(0x9E37_79B9_7F4A_7C15);
@@ -88,7 +88,7 @@ fn noise_of_variance_s_squared_flickers_by_root_two_s_however_the_camera_moves()
 
 #[test]
 fn a_translated_camera_over_a_lambertian_plane_sees_no_flicker_but_what_half_a_pixel_makes() {
-    // Straight down, by whole pixels: every match is the same point.
+    // The camera looks straight down and moves by whole pixels: every match is the same point.
     let size = [160, 120];
     let down = |shift: f32| see(view(Vec3::new(shift, 4.0, 0.0), Vec3::new(shift, 0.0, 0.0), size), &[FLOOR]);
     let step = down(0.0).view.pixel_size() as f32 * 4.0;
@@ -98,7 +98,7 @@ fn a_translated_camera_over_a_lambertian_plane_sees_no_flicker_but_what_half_a_p
         assert!(pair.flicker.unwrap() < 1e-5 * pair.mean.unwrap(), "{pair:?}");
         assert_eq!(pair.matched, u64::from(size[1]) * u64::from(size[0] - pixels as u32), "{pair:?}");
     }
-    // By any way, slanted: the error is of first order, and half the size makes half of it.
+    // The camera is slanted and moves by part of a pixel: the error is of first order, and half the pixel size halves it.
     let flicker = |height: u32| {
         let size = [height * 4 / 3, height];
         let (a, b) = (slanted(0.0, size), slanted(0.1234, size));
@@ -112,7 +112,7 @@ fn a_translated_camera_over_a_lambertian_plane_sees_no_flicker_but_what_half_a_p
 
 #[test]
 fn what_comes_out_from_behind_another_surface_is_not_compared() {
-    // A screen with a free edge at x = 0 before a wall that is 2 m behind it; the camera goes sideways.
+    // A screen with a free edge at x = 0, 2 m before a wall; the camera moves sideways.
     let size = [200, 150];
     let frame = |x: f32| {
         let screen = (Vec3::ZERO, Vec3::Z);

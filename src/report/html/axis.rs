@@ -1,43 +1,43 @@
-//! Axes: where values and their ticks are.
+//! Axes of plots: places of values and ticks.
 
 use serde::Serialize;
 
-/// How values are spread over an axis.
+/// Scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// From 0 or the smallest value on.
+    /// Linear, from 0 or the smallest value on.
     Linear,
-    /// By powers of ten; what is not over 0 lies at the low end.
+    /// Logarithmic; values that are not over 0 are at the low end.
     Log,
 }
 
-/// A range of values on a range of pixels.
+/// A map from a range of values to a range of pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axis {
     scale: Scale,
-    /// In values, or in their decimal logarithms.
+    /// Ends of the range, as values or as their decimal logarithms.
     low: f64,
     high: f64,
-    /// Pixels of the low end and of the high one.
+    /// Pixels of the low end and of the high end.
     pixels: [f64; 2],
 }
 
-/// A tick and what stands beside it.
+/// A tick with its label.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Tick {
-    /// Pixels.
+    /// Place, pixels.
     pub at: f64,
     pub label: String,
 }
 
-/// Room beyond the outermost values, as a part of their range.
+/// Margin beyond the outermost values, as a part of their range.
 const MARGIN: f64 = 0.08;
-/// A range of values is at least so many powers of ten long: equal ones lie in its middle.
+/// Least range of a logarithmic axis, in powers of ten; equal values are in its middle.
 const SHORTEST_LOG: f64 = 0.7;
 const MOST_TICKS: usize = 8;
 
 impl Axis {
-    /// A logarithmic axis that shows all of these values.
+    /// A logarithmic axis over all of these values.
     pub fn log(values: impl Iterator<Item = f64>, pixels: [f64; 2]) -> Self {
         let logs: Vec<f64> = values.filter(|value| *value > 0.0 && value.is_finite()).map(f64::log10).collect();
         let (low, high) = bounds(&logs).unwrap_or((0.0, 0.0));
@@ -45,14 +45,14 @@ impl Axis {
         Self { scale: Scale::Log, low: low - margin, high: high + margin, pixels }
     }
 
-    /// A linear axis from `low`, or the smallest value where that is less, to the largest value.
+    /// A linear axis from `low`, or the smallest value if it is less, to the largest value.
     pub fn linear(low: Option<f64>, values: impl Iterator<Item = f64>, pixels: [f64; 2]) -> Self {
         let values: Vec<f64> = values.chain(low).filter(|value| value.is_finite()).collect();
         let (low, high) = bounds(&values).unwrap_or((0.0, 1.0));
         Self { scale: Scale::Linear, low, high: if high > low { high } else { low + 1.0 }, pixels }
     }
 
-    /// Pixels of a value.
+    /// Place of a value, pixels.
     pub fn at(&self, value: f64) -> f64 {
         let value = match self.scale {
             Scale::Linear => value,
@@ -85,7 +85,7 @@ impl Axis {
         (first..=last).map(|i| (i as f64 * step, format!("{:.decimals$}", i as f64 * step))).collect()
     }
 
-    /// Powers of ten where three of them fit; else 1, 2 and 5 times these, else 1 to 9 times.
+    /// Ticks at powers of ten if at least three fit; otherwise at 1, 2 and 5 times a power, otherwise at 1 to 9 times.
     fn log_ticks(&self) -> Vec<(f64, String)> {
         let powers = self.low.floor() as i32..=self.high.ceil() as i32;
         let among = |digits: &[u32]| -> Vec<(u32, i32)> {
@@ -94,7 +94,7 @@ impl Axis {
         };
         let sets: [&[u32]; 3] = [&[1], &[1, 2, 5], &[1, 2, 3, 4, 5, 6, 7, 8, 9]];
         let found = sets.iter().map(|digits| among(digits)).find(|ticks| ticks.len() >= 3).unwrap_or_else(|| among(sets[2]));
-        // A range of many powers shows each second, or third, of them.
+        // A range of many powers shows only every second or third of them.
         let every = found.len().div_ceil(MOST_TICKS).max(1);
         let shown = found.into_iter().filter(|(digit, power)| *digit != 1 || every == 1 || power.rem_euclid(every as i32) == 0);
         shown.map(|(digit, power)| (f64::from(digit) * 10_f64.powi(power), decimal(digit, power))).collect()
@@ -105,12 +105,12 @@ fn bounds(values: &[f64]) -> Option<(f64, f64)> {
     Some((values.iter().copied().reduce(f64::min)?, values.iter().copied().reduce(f64::max)?))
 }
 
-/// Tenths of a pixel are enough, and short.
+/// Rounds to a tenth of a pixel, to keep the page small.
 pub fn round(pixels: f64) -> f64 {
     (pixels * 10.0).round() / 10.0
 }
 
-/// `digit` times ten to the `power`, as people write it.
+/// `digit` times ten to the `power`, in the usual notation.
 fn decimal(digit: u32, power: i32) -> String {
     match power {
         0..=4 => format!("{digit}{}", "0".repeat(power as usize)),
@@ -159,7 +159,7 @@ mod tests {
     fn zero_lies_at_the_low_end_of_a_log_axis_and_sets_no_range() {
         let axis = log(&[0.0, 1.0, 10.0]);
         assert_eq!((axis.at(0.0), axis), (0.0, log(&[1.0, 10.0])));
-        // Zeros alone have an axis too.
+        // An axis exists for zeros alone too.
         let zeros = log(&[0.0, 0.0]);
         assert_eq!(zeros.at(0.0), 0.0);
         assert!(zeros.ticks().len() >= 2);

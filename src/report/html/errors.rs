@@ -1,4 +1,4 @@
-//! Pictures and errors of runs: read, measured, and turned into what a page can hold.
+//! Pictures and errors of runs: read, measured, and encoded for the page.
 
 use super::folders::Run;
 use crate::metrics::{self, Image, ImageFile, LayerPair, Measures, heatmap};
@@ -10,14 +10,14 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A PNG inside the page.
+/// A PNG embedded in the page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Picture {
-    /// A data: URI.
+    /// The data: URI.
     pub uri: String,
-    /// Pixels.
+    /// Width, pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height, pixels.
     pub height: u32,
 }
 
@@ -26,12 +26,12 @@ impl Picture {
         Self { uri: format!("data:image/png;base64,{}", STANDARD.encode(png)), width, height }
     }
 
-    /// The file as it is.
+    /// Embeds a PNG file unchanged.
     ///
     /// # Errors
-    /// `BadInput` with the path and what is wrong with the file.
+    /// `BadInput` with the path and the fault of the file.
     pub fn read(path: &Path) -> Result<Self> {
-        // Decoded to be sure of it alone.
+        // The file is decoded only to check it.
         let png = read_png(path)?;
         let bytes = std::fs::read(path).map_err(|error| crate::fail!(BadInput, "{}: cannot be read ({error})", path.display()))?;
         Ok(Self::new(&bytes, png.width, png.height))
@@ -42,21 +42,21 @@ impl Picture {
         Ok(Self::new(&png_bytes(width, height, &heatmap(map))?, width, height))
     }
 
-    /// The colours of heat maps from 0 to 1, from left to right.
+    /// The heatmaps' colours from 0 to 1, from left to right.
     pub fn ramp() -> Result<Self> {
         let ramp: Vec<f32> = (0..128).map(|i| i as f32 / 127.0).collect();
         Self::of_errors(&ramp, ramp.len())
     }
 }
 
-/// How far a run is from its reference, and where.
+/// Measures of a run against its reference, and a heatmap of its errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Errors {
     pub measures: Measures,
     pub heatmap: Picture,
 }
 
-/// Measures runs; the layers of a reference are read once.
+/// Measures runs. The layers of a reference are read once.
 pub struct Measurer<'l> {
     layers: &'l LayerPair,
     references: BTreeMap<PathBuf, Image>,
@@ -67,10 +67,10 @@ impl<'l> Measurer<'l> {
         Self { layers, references: BTreeMap::new() }
     }
 
-    /// `None` where one of the two left no layers.
+    /// Errors of a run against a reference; `None` if one of the two has no layers.
     ///
     /// # Errors
-    /// `BadInput` with the file, where a layer is missing or holds what is no number.
+    /// `BadInput` with the file, for a missing layer or a number that is not finite.
     pub fn errors(&mut self, run: &Run, reference: &Run) -> Result<Option<Errors>> {
         let (Some(test), Some(truth)) = (run.layers(), reference.layers()) else { return Ok(None) };
         if !self.references.contains_key(&truth) {

@@ -1,4 +1,4 @@
-//! Files of runs, read.
+//! Reading the files of runs.
 
 use crate::fail;
 use crate::report::{Provenance, Timings};
@@ -9,7 +9,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What `run.json` says, as far as a report shows it. What an older or another command did not write stays empty.
+/// Content of `run.json` as far as reports show it. Fields that an older version or another command did not write stay empty.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Record {
     #[serde(flatten)]
@@ -26,10 +26,10 @@ pub struct Record {
     pub config: Value,
 }
 
-/// What a JSON file holds; `None` where it is not there.
+/// Content of a JSON file; `None` if it does not exist.
 ///
 /// # Errors
-/// `BadInput` with the file, and the line and what is wrong there.
+/// `BadInput` with the file, the line and its fault.
 pub fn json<T: DeserializeOwned>(path: &Path) -> Result<Option<T>> {
     let bytes = match std::fs::read(path) {
         Ok(bytes) => bytes,

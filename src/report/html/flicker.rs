@@ -1,4 +1,4 @@
-//! `flicker.json`: how much a picture changes from frame to frame.
+//! `flicker.json`: changes of a picture from frame to frame.
 
 use super::files::{Record, json};
 use crate::report::Provenance;
@@ -6,23 +6,23 @@ use anyhow::Result;
 use serde_json::Value;
 use std::path::Path;
 
-/// The changes of a run's frames.
+/// The changes over a run's frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Flicker {
     pub label: String,
-    /// That of the run, where one of the files says it.
+    /// Provenance of the run, if one of the files has it.
     pub from: Option<Provenance>,
-    /// Root mean square over the whole walk.
+    /// Root mean square over the whole camera path.
     pub walk: Option<f64>,
-    /// Frame and root mean square of the change to it.
+    /// Each frame, and the root mean square of the change to it.
     pub pairs: Vec<(f64, f64)>,
 }
 
 impl Flicker {
-    /// Reads what is known of the file, which may say more; `None` where there is none.
+    /// Reads the known keys of the file, which may have others; `None` if there is no file.
     ///
     /// # Errors
-    /// `BadInput` where it is no JSON.
+    /// `BadInput` if the file is no JSON.
     pub fn read(path: &Path, label: &str, record: Option<&Record>) -> Result<Option<Self>> {
         let Some(file): Option<Value> = json(path)? else { return Ok(None) };
         let number = |value: &Value, key: &str| value.get(key).and_then(Value::as_f64);

@@ -1,4 +1,4 @@
-//! What the folders of a report hold.
+//! Reading the folders of a report.
 
 use super::files::{Record, json};
 use super::flicker::Flicker;
@@ -12,48 +12,49 @@ use std::path::{Component, Path, PathBuf};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
     pub folder: PathBuf,
-    /// What it is called in the report.
+    /// Label in the report.
     pub label: String,
     pub record: Record,
 }
 
 impl Run {
-    /// The name of its folder, by which a table knows it.
+    /// Name of the folder, the run's key in a table.
     pub fn key(&self) -> String {
         self.folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
-    /// Paths a pixel of a reference; `None` for a render.
+    /// Paths per pixel of a reference; `None` for a render.
     pub fn samples(&self) -> Option<u64> {
         self.record.counts.get("reference/samples").copied()
     }
 
-    /// The picture that is shown, where there is one.
+    /// The picture to show, if there is one.
     pub fn picture(&self) -> Option<PathBuf> {
         Some(self.folder.join("image.png")).filter(|path| path.is_file())
     }
 
-    /// The layers that errors are measured on, where there are any.
+    /// The file of layers to measure errors on, if there is one.
     pub fn layers(&self) -> Option<PathBuf> {
         Some(self.folder.join("image.exr")).filter(|path| path.is_file())
     }
 }
 
-/// Runs that belong together, those of a table or those that were given one by one, and the references among them.
+/// Runs of one table, or those given one by one, and their references.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Group {
     pub table: Option<TableFile>,
     pub runs: Vec<Run>,
     pub references: Vec<Run>,
     pub flickers: Vec<Flicker>,
-    /// Keys of the table's runs and references whose folders are not there.
+    /// Keys of the table's runs and references whose folders are missing.
     pub missing: Vec<String>,
 }
 
-/// Reads folders: a group for each table, then one of all other runs if there are any. A folder that is named twice counts once.
+/// Reads folders: a group for each table, then one of all other runs, if there are any. A folder given twice counts once.
 ///
 /// # Errors
-/// `BadInput` with the folder or the file: one that holds nothing for a report, one that cannot be read, a second table of a name.
+/// `BadInput` with the folder or the file: a folder without anything to report, one that cannot be read, or a second table of
+/// the same name.
 pub fn read(folders: &[PathBuf]) -> Result<Vec<Group>> {
     let mut seen = BTreeSet::new();
     let mut groups: Vec<Group> = Vec::new();
@@ -64,7 +65,7 @@ pub fn read(folders: &[PathBuf]) -> Result<Vec<Group>> {
             continue;
         }
         if !folder.join("table.json").is_file() {
-            // "." and ".." have a name after all.
+            // The canonical path gives "." and ".." a name too.
             let label = real.file_name().unwrap_or(real.as_os_str()).to_string_lossy().into_owned();
             if !single.take(folder, label)? {
                 return Err(nothing(folder));
@@ -95,7 +96,7 @@ fn is_known(folder: &Path) -> bool {
 }
 
 impl Group {
-    /// That of its table.
+    /// Name of the group's table.
     fn name(&self) -> Option<&str> {
         self.table.as_ref().map(|table| table.name.as_str())
     }
@@ -104,7 +105,7 @@ impl Group {
         self.runs.is_empty() && self.references.is_empty() && self.flickers.is_empty()
     }
 
-    /// Adds what a folder holds; false where it holds nothing.
+    /// Adds the content of a folder; false if there is none.
     fn take(&mut self, folder: &Path, label: String) -> Result<bool> {
         let record: Option<Record> = json(&folder.join("run.json"))?;
         let flicker = Flicker::read(&folder.join("flicker.json"), &label, record.as_ref())?;
@@ -117,7 +118,7 @@ impl Group {
         Ok(found)
     }
 
-    /// Gives runs of the same name as much of their path as tells them apart.
+    /// Extends equal labels by as much of their paths as makes them distinct.
     fn tell_apart(&mut self) {
         let all: Vec<(PathBuf, String)> =
             self.runs.iter().chain(&self.references).map(|run| (run.folder.clone(), run.label.clone())).collect();
@@ -131,7 +132,7 @@ impl Group {
     }
 }
 
-/// The last parts of a path, as many as no other of these paths ends with.
+/// The shortest end of a path that no other of these paths has.
 fn shortest(folder: &Path, twins: &[&PathBuf]) -> String {
     let parts: Vec<Component> = folder.components().collect();
     let end = |count: usize| parts[parts.len() - count..].iter().collect::<PathBuf>();
@@ -139,20 +140,20 @@ fn shortest(folder: &Path, twins: &[&PathBuf]) -> String {
     end((1..=parts.len()).find(alone).unwrap_or(parts.len())).display().to_string()
 }
 
-/// A table and the runs and references beside it.
+/// A table, with its runs and references.
 fn table(folder: &Path) -> Result<Group> {
     let path = folder.join("table.json");
     let Some(table): Option<TableFile> = json(&path)? else { unreachable!("the file was there") };
     table.check(&path)?;
     let mut group = Group::default();
-    // In the order of the cells that they are of; what no cell names comes last.
+    // Runs are in the order of their cells; runs that no cell names come last.
     let named: Vec<&str> = table.cells.iter().flatten().filter_map(|cell| cell.run.as_deref()).collect();
     let mut in_order: Vec<_> = table.runs.iter().collect();
     in_order.sort_by_key(|(key, _)| named.iter().position(|name| name == key).unwrap_or(usize::MAX));
     let runs = in_order.into_iter().map(|(key, run)| ("runs", key, run.label.as_str()));
     let references = table.references.iter().map(|key| ("references", key, key.as_str()));
     for (place, key, label) in runs.chain(references) {
-        // The keys are names of folders, not ways out of this one.
+        // A key must be a plain folder name, so that it cannot lead out of the table's folder.
         if !matches!(Path::new(key).components().collect::<Vec<_>>().as_slice(), [Component::Normal(_)]) {
             return Err(fail!(BadInput, "{}: {key:?} cannot be the name of a run's folder", path.display()));
         }

@@ -1,4 +1,4 @@
-//! A section of the page: a table and its runs, or the runs that were given one by one.
+//! A section of the page: a table with its runs, or the runs given one by one.
 
 use super::errors::{Errors, Measurer, Picture};
 use super::flicker::Flicker;
@@ -18,7 +18,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// A section as it is shown.
+/// A section in the form that the template takes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GroupView {
     pub id: String,
@@ -26,9 +26,9 @@ pub struct GroupView {
     pub source: Option<String>,
     pub about: Option<String>,
     pub table: Option<TableView>,
-    /// What has to be known of the table.
+    /// Notes on the table.
     pub table_notes: Vec<String>,
-    /// Keys of the table's runs and their places on the page.
+    /// Keys of the table's runs, and their anchors on the page.
     pub targets: BTreeMap<String, String>,
     pub origins: Origins,
     pub keys: Keys,
@@ -48,12 +48,12 @@ pub struct FlickerView {
     pub plot: Option<Line>,
 }
 
-/// Builds the sections; a reference's picture is in the page once, however many runs it is beside.
+/// Builds the sections. A reference's picture is embedded once, for any number of runs.
 pub struct Builder<'l> {
     measurer: Measurer<'l>,
     pub shared: Vec<Picture>,
     known: BTreeMap<PathBuf, Option<usize>>,
-    /// What errors are of.
+    /// Layers that errors are measured on.
     layers: String,
 }
 
@@ -62,7 +62,7 @@ impl<'l> Builder<'l> {
         Self { measurer: Measurer::new(layers), shared: Vec::new(), known: BTreeMap::new(), layers: layers.to_string() }
     }
 
-    /// The section of a group. `others` are references that were given one by one; `number` counts from 1.
+    /// The section of a group. `others` are references given one by one; `number` counts from 1.
     ///
     /// # Errors
     /// `BadInput` with the file that cannot be shown or compared.
@@ -140,8 +140,8 @@ fn found<'r>(found: &Match<'r>) -> Option<&'r Run> {
     if let Match::Found(reference) = found { Some(reference) } else { None }
 }
 
-/// The references that a group shows, each once: those of its runs, then its others, which are something to look at too, and
-/// `None` last if there are runs without one.
+/// The references that a group shows, each once: those of its runs, then its others, which are shown too. `None` comes last if
+/// there are runs without a reference.
 fn references<'r>(group: &'r Group, matches: &[Match<'r>]) -> Vec<Option<&'r Run>> {
     let mut references: Vec<Option<&Run>> = Vec::new();
     for reference in matches.iter().map(found).chain(group.references.iter().map(Some)) {
@@ -153,7 +153,7 @@ fn references<'r>(group: &'r Group, matches: &[Match<'r>]) -> Vec<Option<&'r Run
     references
 }
 
-/// The reference of a run: the one that its table names, as long as it is of the same size, or else one that agrees with it.
+/// The reference of a run: the one named by its table if their sizes agree, otherwise one that agrees with the run.
 fn group_reference<'r>(group: &'r Group, run: &Run, others: &'r [Run]) -> Match<'r> {
     let named = group.table.as_ref().and_then(|table| table.reference_of(&run.key()));
     let named = named.and_then(|key| group.references.iter().find(|reference| reference.key() == key));
@@ -174,7 +174,7 @@ fn title(group: &Group) -> String {
 
 fn run_views(runs: &[Run], errors: &[Option<Errors>], group: &str) -> Vec<RunView> {
     let totals: Vec<_> = runs.iter().map(|run| run.record.timings.total).collect();
-    // One list, so that medians and ranges have the same decimals.
+    // Medians and ranges are formatted as one column, so that they have the same decimals.
     let times = totals.iter().flat_map(|total| total.map_or([None; 3], |ms| [ms.median, ms.p5, ms.p95].map(Some)));
     let times = numbers::column(&times.collect::<Vec<_>>());
     let view = |(i, run): (usize, &Run)| {
@@ -199,7 +199,7 @@ fn run_views(runs: &[Run], errors: &[Option<Errors>], group: &str) -> Vec<RunVie
     runs.iter().enumerate().map(view).collect()
 }
 
-/// Why a run has no errors.
+/// Reason for a run's lack of errors.
 fn why(found: &Match) -> Option<String> {
     match found {
         Match::Found(_) => Some("no layers to compare".to_owned()),
@@ -236,7 +236,7 @@ mod tests {
         let view = Builder::new(&layers).group(&group, &[], 1).unwrap();
         assert_eq!(view.runs[0].why.as_deref(), Some("no reference; truth differs in size"));
         assert_eq!(view.runs[0].id, "s1-r1");
-        // The reference stands for itself.
+        // The reference is shown on its own.
         assert_eq!(view.sets.len(), 1);
         assert_eq!(view.sets[0].reference.as_ref().map(|reference| reference.facts.as_str()), Some("4 samples a pixel"));
         assert!(view.sets[0].figures.is_empty() && view.sets[0].plots.is_empty() && view.stages.is_none());

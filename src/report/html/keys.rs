@@ -1,20 +1,20 @@
-//! The keys of the config in which runs differ.
+//! Config keys in which runs differ.
 
 use super::folders::Run;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// More keys than these are left to the configs themselves.
+/// Most keys shown; further ones are found in the configs.
 const MOST: usize = 5;
 
-/// The first keys that differ, and each run's values of them.
+/// The first differing keys, and each run's values of them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Keys {
     pub names: Vec<String>,
-    /// A list a run; nothing where a run does not have the key.
+    /// A list for each run; empty text if the run lacks the key.
     pub values: Vec<Vec<String>>,
-    /// Keys beyond these.
+    /// Number of differing keys beyond `names`.
     pub more: usize,
 }
 
@@ -37,7 +37,7 @@ pub fn differing(runs: &[Run]) -> Keys {
     Keys { more: differing.len() - names.len(), names, values }
 }
 
-/// Tables by their dotted keys; lists are values.
+/// Flattens tables to dotted keys; lists are values.
 fn flatten(prefix: &str, value: &Value, keys: &mut BTreeMap<String, String>) {
     match value {
         Value::Object(table) => table.iter().for_each(|(key, value)| {
@@ -54,7 +54,7 @@ fn flatten(prefix: &str, value: &Value, keys: &mut BTreeMap<String, String>) {
 fn text(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
-        // Configs hold numbers of 32 bits, which in 64 have digits that nobody wrote.
+        // Configs hold 32-bit numbers, whose 64-bit form has digits that nobody wrote.
         Value::Number(number) => match number.as_f64().filter(|_| number.is_f64()) {
             Some(number) => (number as f32).to_string(),
             None => number.to_string(),

@@ -1,10 +1,9 @@
-//! Which reference is a run's.
+//! Matching of runs with references.
 
 use super::folders::Run;
 use serde_json::Value;
 
-/// What must be the same in a run and its reference, and is not: the light in the scene and the way it is looked at. How the
-/// light is computed may differ.
+/// Differences of a run and a reference in sections that must agree: scene, light and view. The methods may differ.
 pub fn differences(run: &Run, reference: &Run) -> Vec<&'static str> {
     let (a, b) = (&run.record, &reference.record);
     let mut differing: Vec<&'static str> =
@@ -16,7 +15,7 @@ pub fn differences(run: &Run, reference: &Run) -> Vec<&'static str> {
     if moves && (frame(run), &a.config["frame"]["fps"]) != (frame(reference), &b.config["frame"]["fps"]) {
         differing.push("frame");
     }
-    // Without their configs nothing is known, which is no agreement.
+    // A missing config counts as a difference.
     if a.config.is_null() || b.config.is_null() {
         differing.push("config");
     }
@@ -29,28 +28,28 @@ fn moves(config: &Value) -> bool {
     config.get("camera").is_some_and(has_keyframes) || lights.is_some_and(|lights| lights.iter().any(has_keyframes))
 }
 
-/// The frame that is the picture: a render's last.
+/// The frame that the picture shows; a render's is its last.
 fn frame(run: &Run) -> Option<u64> {
     let of_reference = run.record.counts.get("reference/frame").copied();
     of_reference.or_else(|| run.record.config["frame"]["count"].as_u64().and_then(|count| count.checked_sub(1)))
 }
 
-/// What there is to hold a run against.
+/// A run's reference, if there is one.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Match<'r> {
     Found(&'r Run),
-    /// No reference agrees with it; the nearest differs in these.
+    /// No reference agrees; the nearest, and its differences.
     Nearest(&'r Run, Vec<&'static str>),
-    /// There are no references.
+    /// There is no reference at all.
     Nothing,
 }
 
-/// The reference of a run among `own`, those of its table, else among `others`: of those that agree with it the one of the most
-/// samples, of these the first.
+/// The reference of a run from `own`, its table's, or else from `others`: of those that agree the one with the most samples,
+/// the first among equals.
 pub fn reference_of<'r>(run: &Run, own: &'r [Run], others: &'r [Run]) -> Match<'r> {
     for candidates in [own, others] {
         let agreeing = candidates.iter().filter(|reference| differences(run, reference).is_empty());
-        // `max_by_key` takes the last of equals, and the first is wanted.
+        // `max_by_key` takes the last of equals; reversing makes it the first.
         if let Some(best) = agreeing.rev().max_by_key(|reference| reference.samples()) {
             return Match::Found(best);
         }

@@ -1,7 +1,7 @@
-//! `manylight report`: one HTML file that shows runs, tables and how far they are from the truth.
+//! `manylight report`: one HTML file that shows runs, tables and errors against references.
 //!
-//! The file needs nothing but itself: pictures are data: URIs, plots are SVG, and its content policy lets through no request and
-//! no script or style but its own. Everything that comes out of files is escaped. The same folders give the same bytes.
+//! The file is self-contained: pictures are data: URIs, plots are SVG, and its content policy forbids all requests, and all
+//! scripts and styles but its own. All text from files is escaped. The same folders give the same bytes.
 
 mod axis;
 mod errors;
@@ -25,10 +25,10 @@ use crate::metrics::LayerPair;
 use anyhow::Result;
 use std::path::PathBuf;
 
-/// The page about these folders; errors are of `layers`.
+/// The page for these folders; errors are measured on `layers`.
 ///
 /// # Errors
-/// `BadInput` with the folder or the file and what is wrong with it.
+/// `BadInput` with the folder or the file and its fault.
 pub fn report(folders: &[PathBuf], layers: &LayerPair) -> Result<String> {
     page::render(&folders::read(folders)?, layers)
 }
@@ -41,7 +41,7 @@ mod samples {
     use serde_json::json;
     use std::path::PathBuf;
 
-    /// A render that left no files.
+    /// A render without files.
     pub fn run(label: &str) -> Run {
         let config = json!({
             "scene": { "builtin": "cornell", "seed": 0 },

@@ -1,6 +1,6 @@
-//! Figures as text.
+//! Formatting of figures.
 
-/// Three digits, without a 0 for what is merely small: `0.0123`, `41.7`, `2130`, `3.2e-5`.
+/// Three digits; small figures keep an exponent instead of becoming 0: `0.0123`, `41.7`, `2130`, `3.2e-5`.
 pub fn short(figure: f64) -> String {
     if figure == 0.0 {
         return "0".to_owned();
@@ -12,8 +12,8 @@ pub fn short(figure: f64) -> String {
     format!("{figure:.*}", decimals(figure.abs()))
 }
 
-/// The figures of a column, all with as many decimals, so that they line up: as many as the largest needs for three digits. What
-/// they would make 0 is given as less than the smallest that they can show.
+/// The figures of a column with equal decimals, so that they line up: as many as the largest needs for three digits. A figure
+/// that would round to 0 is shown as less than the smallest that fits.
 pub fn column(figures: &[Option<f64>]) -> Vec<Option<String>> {
     let largest = figures.iter().flatten().map(|figure| figure.abs()).fold(0.0, f64::max);
     let decimals = decimals(largest).max(1);
@@ -25,13 +25,13 @@ pub fn column(figures: &[Option<f64>]) -> Vec<Option<String>> {
     figures.iter().map(|figure| figure.map(text)).collect()
 }
 
-/// Decimals that give a number three digits.
+/// Decimals for three digits.
 fn decimals(figure: f64) -> usize {
-    // A number that is rounded up to the next power of ten has a digit more.
+    // A number that rounds up to the next power of ten gets one digit more.
     if figure > 0.0 { (2.0 - (figure * 1.0005).log10().floor()).clamp(0.0, 6.0) as usize } else { 0 }
 }
 
-/// Bytes in the unit in which they have one to three digits before the point.
+/// Bytes in the unit that leaves one to three digits before the point.
 pub fn bytes(count: f64) -> String {
     let unit = ["B", "KiB", "MiB", "GiB", "TiB"];
     let mut value = count;

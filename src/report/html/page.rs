@@ -1,4 +1,4 @@
-//! The page: the sections, put through the template.
+//! The page: sections filled into the template.
 
 use super::errors::Picture;
 use super::folders::{Group, Run};
@@ -15,27 +15,27 @@ const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
 
-/// What the template is given.
+/// Input of the template.
 #[derive(Debug, Serialize)]
 struct Page {
     title: String,
-    /// What there is, counted.
+    /// Numbers of tables, runs, references and flicker measurements.
     summary: String,
     sections: Vec<GroupView>,
     /// Pictures of references.
     shared: Vec<Picture>,
-    /// The colours of heat maps.
+    /// The heatmaps' colours.
     ramp: Picture,
-    /// What errors are of.
+    /// Layers that errors are measured on.
     layers: String,
     style: &'static str,
     script: &'static str,
-    /// Names of the style and the script for the content policy.
+    /// Hashes of the style and the script for the content policy.
     style_hash: String,
     script_hash: String,
 }
 
-/// The page of these groups; errors are of `layers`.
+/// The page of these groups; errors are measured on `layers`.
 ///
 /// # Errors
 /// `BadInput` with the file that cannot be shown or compared.
@@ -70,7 +70,7 @@ fn fill(page: &Page) -> String {
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_trim_blocks(true);
     environment.set_lstrip_blocks(true);
-    // The ending of the name has everything escaped.
+    // The template's ending `.html` turns escaping on.
     let filled = environment.add_template("page.html", TEMPLATE).and_then(|()| environment.get_template("page.html")?.render(page));
     match filled {
         Ok(html) => html,
@@ -78,7 +78,7 @@ fn fill(page: &Page) -> String {
     }
 }
 
-/// As the content policy has it.
+/// Hash in the content policy's form.
 fn hash(text: &str) -> String {
     format!("sha256-{}", STANDARD.encode(Sha256::digest(text)))
 }
@@ -113,7 +113,7 @@ mod tests {
         render(groups, &LayerPair::radiance()).unwrap()
     }
 
-    /// Text wherever a file may put some.
+    /// A group with hostile text in every field.
     fn hostile() -> Group {
         let mut run = run(HOSTILE);
         run.record.from.preset = HOSTILE.to_owned();
@@ -161,7 +161,7 @@ mod tests {
         for own in [STYLE, SCRIPT] {
             assert!(html.contains(own) && html.contains(&hash(own)), "the policy names what is there");
         }
-        // Inline styles would be blocked.
+        // The policy blocks inline styles and handlers.
         assert!(!html.contains(" style=\"") && !html.contains(" onclick"));
     }
 
@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn the_hash_is_that_of_browsers() {
-        // The example of Content Security Policy Level 3.
+        // The example from Content Security Policy Level 3.
         assert_eq!(hash("alert('Hello, world.');"), "sha256-qznLcsROx4GACP2dm0UCKCzCG+HiZ1guq6ZZDob/Tng=");
     }
 

@@ -1,17 +1,17 @@
-//! Plots: where everything in them is, in pixels of a drawing of [`WIDTH`] x [`HEIGHT`]. The page's template draws it.
+//! Plots: the places of everything in them, in pixels of a drawing of [`WIDTH`] x [`HEIGHT`]. The page's template draws them.
 
 use super::axis::{Axis, Tick, round};
 use serde::Serialize;
 
 pub const WIDTH: f64 = 460.0;
 pub const HEIGHT: f64 = 320.0;
-/// The area of the values: left, top, right, bottom.
+/// Area of the values: left, top, right, bottom.
 const AREA: [f64; 4] = [58.0, 14.0, 446.0, 272.0];
-/// About how wide a letter and how high a line of a label is.
+/// Estimated width of a letter and height of a line of labels, pixels.
 const LETTER: f64 = 6.2;
 const LINE: f64 = 13.0;
 
-/// What is common to all plots.
+/// Frame common to all plots.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Frame {
     pub width: f64,
@@ -21,7 +21,7 @@ pub struct Frame {
     pub y_ticks: Vec<Tick>,
     pub x_label: String,
     pub y_label: String,
-    /// What the plot shows, for who cannot see it.
+    /// Alternative text.
     pub alt: String,
 }
 
@@ -29,14 +29,14 @@ pub struct Frame {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
     pub label: String,
-    /// Milliseconds.
+    /// Time, ms.
     pub time: f64,
     pub error: f64,
-    /// Where it is found on the page.
+    /// Anchor of the run on the page.
     pub target: String,
 }
 
-/// Error against time, both by powers of ten.
+/// A plot of error against time, both logarithmic.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scatter {
     pub frame: Frame,
@@ -49,12 +49,12 @@ pub struct Point {
     pub x: f64,
     pub y: f64,
     pub label: String,
-    /// Where the label fits, `None` where it fits nowhere.
+    /// Place of the label; `None` if it fits nowhere.
     pub text: Option<Text>,
-    /// No error at all, which has no place on a logarithmic axis.
+    /// Whether the error is 0, which a logarithmic axis cannot show.
     pub is_zero: bool,
     pub target: String,
-    /// Its figures, in words.
+    /// The figures in words.
     pub title: String,
 }
 
@@ -66,15 +66,16 @@ pub struct Text {
     pub anchor: &'static str,
 }
 
-/// A line along which a method would go if it took more samples.
+/// Line of a method's expected error over increasing time.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Guide {
     pub from: [f64; 2],
     pub to: [f64; 2],
 }
 
-/// A plot of error against time. `slope` is the guide's: errors that are squares fall as 1/t, -1, others as its root, -1/2. The
-/// guide goes through the run that is best by it, so that whatever lies above it is less efficient.
+/// A plot of error against time. `slope` is the guide's: -1 for squared errors, which fall as 1/t, and -1/2 for others, which
+/// fall as its root. The guide goes through the run that is most efficient by this law, so that runs above it are less
+/// efficient.
 pub fn scatter(samples: &[Sample], slope: f64, x_label: &str, y_label: &str) -> Scatter {
     let [left, top, right, bottom] = AREA;
     let x = Axis::log(samples.iter().map(|sample| sample.time), [left, right]);
@@ -112,13 +113,13 @@ fn guide(samples: &[Sample], slope: f64, x: &Axis, y: &Axis) -> Option<Guide> {
     let levels: Vec<f64> = logs.map(|(time, error)| error - slope * time).collect();
     let level = levels.iter().copied().reduce(f64::min).filter(|_| levels.len() > 1)?;
     let ([low, high], [bottom, top]) = (x.logs(), y.logs());
-    // Both ends within the area: a falling line enters at its left or top side and leaves at its right or bottom.
+    // Both ends are in the area: a falling line enters at its left or top side, and leaves at its right or bottom.
     let [from, to] = [low.max((top - level) / slope), high.min((bottom - level) / slope)];
     let end = |time: f64| [x.at(10_f64.powf(time)), y.at(10_f64.powf(level + slope * time))];
     Some(Guide { from: end(from), to: end(to) })
 }
 
-/// Gives each point, in their order, a label right, left, above or below it where that hits nothing.
+/// Places each point's label to its right, left, top or bottom, wherever it overlaps nothing, in the points' order.
 fn place_labels(points: &mut [Point]) {
     let centers: Vec<(f64, f64)> = points.iter().map(|point| (point.x, point.y)).collect();
     let mut taken: Vec<[f64; 4]> = centers.iter().map(|(x, y)| [x - 5.0, y - 5.0, x + 5.0, y + 5.0]).collect();
@@ -148,9 +149,9 @@ fn place_labels(points: &mut [Point]) {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Line {
     pub frame: Frame,
-    /// As the points of an SVG polyline.
+    /// Points of an SVG polyline.
     pub points: String,
-    /// Where there is one value alone.
+    /// The only point, if there is just one.
     pub dot: Option<[f64; 2]>,
 }
 
@@ -202,7 +203,7 @@ mod tests {
             for [x, y] in [from, to] {
                 assert!((left - 0.1..=right + 0.1).contains(&x) && (top - 0.1..=bottom + 0.1).contains(&y), "{from:?} {to:?}");
             }
-            // Every point lies on it or above.
+            // Every point is on the guide or above.
             let under = |p: &&Point| p.y > from[1] + (to[1] - from[1]) * (p.x - from[0]) / (to[0] - from[0]) + 0.5;
             assert_eq!(plot.points.iter().filter(under).count(), 0);
             let best = &plot.points[1];

@@ -1,16 +1,16 @@
-//! Where the figures of several runs come from, said once where they agree.
+//! Provenance of several runs: common parts once, others as notes.
 
 use crate::report::Provenance;
 use serde::Serialize;
 
-/// What all runs have in common, and the rest by marks.
+/// The parts common to all runs, and notes by mark.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
 pub struct Origins {
-    /// Of all of them.
+    /// Parts common to all runs.
     pub common: String,
-    /// What is particular to the runs of a mark; empty where nothing is.
+    /// Parts particular to the runs with a mark; empty if all runs agree.
     pub notes: Vec<Note>,
-    /// `cpu` or `gpu`; nothing where there are both.
+    /// `cpu` or `gpu`; `None` if there are both.
     pub kind: Option<String>,
 }
 
@@ -31,7 +31,7 @@ pub fn parts(from: &Provenance) -> [String; 5] {
     ]
 }
 
-/// The origins of runs, and each run's mark.
+/// The common origin of runs with its notes, and each run's mark.
 pub fn origins<'p>(runs: impl Iterator<Item = &'p Provenance>) -> (Origins, Vec<Option<String>>) {
     let runs: Vec<&Provenance> = runs.collect();
     let all: Vec<[String; 5]> = runs.iter().map(|from| parts(from)).collect();
@@ -59,7 +59,7 @@ pub fn origins<'p>(runs: impl Iterator<Item = &'p Provenance>) -> (Origins, Vec<
     (origins, marks)
 }
 
-/// a to z, then aa, ab and so on.
+/// Letters from a to z, then aa, ab and so on.
 fn letters(number: usize) -> String {
     let last = char::from(b'a' + (number % 26) as u8);
     if number < 26 { last.to_string() } else { format!("{}{last}", letters(number / 26 - 1)) }

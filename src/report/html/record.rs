@@ -1,4 +1,4 @@
-//! What a run's record says, as folded text.
+//! A run's record as collapsible text.
 
 use super::files::Record;
 use super::folders::Run;
@@ -8,15 +8,15 @@ use crate::config::{self, Config};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// A run's record as it is shown.
+/// A record in the form that the template takes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RecordView {
     pub label: String,
     pub from: String,
-    /// What was counted and checked.
+    /// Counts and checks.
     pub facts: Vec<[String; 2]>,
     pub warnings: Vec<String>,
-    /// TOML; JSON where this version does not know the config; empty where there is none.
+    /// The config as TOML, or as JSON if this version cannot parse it; empty if there is none.
     pub config: String,
 }
 

@@ -1,4 +1,4 @@
-//! Runs that have the same reference, or none: their pictures side by side, and their errors against their times.
+//! Runs with the same reference, or without one: pictures side by side, and errors against times.
 
 use super::errors::{Errors, Picture};
 use super::folders::Run;
@@ -6,15 +6,15 @@ use super::plot::{Sample, Scatter, scatter};
 use super::record::reference_facts;
 use serde::Serialize;
 
-/// A reference and its runs as they are shown.
+/// A reference and its runs in the form that the template takes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SetView {
     pub reference: Option<ReferenceView>,
-    /// Numbers of the runs that have pictures.
+    /// Indices of the runs with pictures.
     pub figures: Vec<usize>,
-    /// Whether some run has a heat map.
+    /// Whether any run has a heatmap.
     pub has_heatmaps: bool,
-    /// Whether these show FLIP, which only colours have.
+    /// Whether the heatmaps show FLIP, which only colours have.
     pub has_flip: bool,
     pub plots: Vec<PlotView>,
 }
@@ -24,20 +24,20 @@ pub struct SetView {
 pub struct RunView {
     pub id: String,
     pub label: String,
-    /// Of its note in [`super::provenance::Origins`].
+    /// Mark of its note in [`super::provenance::Origins`].
     pub mark: Option<String>,
-    /// `cpu` or `gpu`, where the group has both.
+    /// `cpu` or `gpu`, if the group has both.
     pub kind: Option<String>,
-    /// Milliseconds.
+    /// Median frame time, ms.
     pub median: Option<String>,
-    /// Milliseconds, from the 5th to the 95th percentile.
+    /// 5th to 95th percentile of frame times, ms.
     pub range: Option<String>,
-    /// Frames.
+    /// Number of frames.
     pub n: Option<usize>,
     pub relmse: Option<String>,
     pub flip: Option<String>,
     pub energy: Option<String>,
-    /// Why it has no errors.
+    /// Reason for missing errors.
     pub why: Option<String>,
     pub picture: Option<Picture>,
     pub heatmap: Option<Picture>,
@@ -46,30 +46,30 @@ pub struct RunView {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReferenceView {
     pub label: String,
-    /// Samples, bounces and what is known of its own error.
+    /// Samples, bounces and standard error.
     pub facts: String,
-    /// Number of its picture among those that the page shares.
+    /// Index of its picture among the page's shared ones.
     pub picture: Option<usize>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlotView {
     pub scatter: Scatter,
-    /// What the guide says.
+    /// The law that the guide shows.
     pub guide: &'static str,
 }
 
 /// A run of a set.
 pub struct Member<'r> {
-    /// In its group.
+    /// Index in its group.
     pub number: usize,
     pub view: &'r RunView,
     pub run: &'r Run,
     pub errors: Option<&'r Errors>,
 }
 
-/// A set, its reference with the number of the picture; `None` where there is nothing to show. `kind` is that of all devices, if
-/// there is one.
+/// A set with its reference and the index of the reference's picture; `None` if there is nothing to show. `kind` is that of all
+/// devices, if it is the same.
 pub fn set_view(reference: Option<(&Run, Option<usize>)>, members: &[Member], kind: Option<&str>, layers: &str) -> Option<SetView> {
     let samples = |error: fn(&Errors) -> Option<f64>| -> Vec<Sample> {
         let sample = |member: &Member| {

@@ -1,24 +1,24 @@
-//! Time by stage: a row a run, a bar a stage.
+//! Times by stage: a row for each run, a bar for each stage.
 
 use super::folders::Run;
 use super::numbers;
 use crate::report::Statistics;
 use serde::Serialize;
 
-/// Bars of all stages share a scale, so that they can be compared down and across; the totals have one of their own.
+/// All stages' bars share a scale, so that they compare across rows and columns; totals have their own.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StageTable {
-    /// In the order in which they run.
+    /// Stages in the order of execution.
     pub stages: Vec<String>,
-    /// A row for each of the runs that were timed.
+    /// One row for each timed run.
     pub rows: Vec<StageRow>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StageRow {
-    /// Number of the run in its group.
+    /// Index of the run in its group.
     pub run: usize,
-    /// `None` where the stage did not run.
+    /// Bars of the stages; `None` for a stage that did not run.
     pub cells: Vec<Option<Bar>>,
     pub total: Option<Bar>,
 }
@@ -26,17 +26,17 @@ pub struct StageRow {
 /// A median and its bar.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Bar {
-    /// Milliseconds.
+    /// Median, ms.
     pub text: String,
-    /// Of the median, from 0 to 100.
+    /// Length for the median, from 0 to 100.
     pub length: f64,
-    /// From the 5th to the 95th percentile, from 0 to 100.
+    /// Ends for the 5th and 95th percentile, from 0 to 100.
     pub spread: [f64; 2],
     /// The figures in words.
     pub title: String,
 }
 
-/// The stages of these runs; `None` where none was timed.
+/// The stages of these runs; `None` if no run was timed.
 pub fn stage_table(runs: &[Run]) -> Option<StageTable> {
     let timed: Vec<(usize, &Run)> = runs.iter().enumerate().filter(|(_, run)| !run.record.timings.stages.is_empty()).collect();
     if timed.is_empty() {
@@ -56,7 +56,7 @@ pub fn stage_table(runs: &[Run]) -> Option<StageTable> {
     Some(StageTable { rows: rows.collect(), stages })
 }
 
-/// A column of bars, the largest of which is 100 long, or what `scale` says.
+/// A column of bars. The length 100 is `scale`, or the column's largest value.
 fn bars(column: &[Option<Statistics>], scale: Option<f64>) -> Vec<Option<Bar>> {
     let largest = column.iter().flatten().map(|ms| ms.p95.max(ms.median)).fold(0.0, f64::max);
     let scale = scale.unwrap_or(largest).max(f64::MIN_POSITIVE);
@@ -71,7 +71,7 @@ fn bars(column: &[Option<Statistics>], scale: Option<f64>) -> Vec<Option<Bar>> {
     column.iter().zip(texts).map(bar).collect()
 }
 
-/// All names, each before what it is before in a list: one that the lists so far do not have follows its predecessor.
+/// All names in a common order: a name that earlier lists lack follows its predecessor.
 fn order<'n>(lists: impl Iterator<Item = impl Iterator<Item = &'n str>>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for list in lists {

@@ -1,4 +1,4 @@
-//! `table.json`: a published table and ours, as `manylight reproduce` writes it.
+//! `table.json`: a published table and our figures, written by `manylight reproduce`.
 
 use crate::fail;
 use crate::report::Device;
@@ -8,13 +8,13 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What `table.json` says.
+/// Content of `table.json`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct TableFile {
-    /// A name of its own among tables.
+    /// Name, unique among tables.
     pub name: String,
     pub title: String,
-    /// The publication and the table's number there.
+    /// The publication, and the table's number in it.
     #[serde(default)]
     pub source: Option<String>,
     #[serde(default)]
@@ -22,10 +22,10 @@ pub struct TableFile {
     pub version: String,
     pub device: Device,
     pub timing_mode: String,
-    /// Part of the published sizes that was run.
+    /// Factor on the published sizes.
     #[serde(default = "one")]
     pub scale: f64,
-    /// Whether it ran with fewer frames or settings than asked.
+    /// Whether it ran with fewer frames than the table says.
     #[serde(default)]
     pub quick: bool,
     /// Whether every cell was run.
@@ -33,14 +33,14 @@ pub struct TableFile {
     pub complete: bool,
     #[serde(default)]
     pub published: Option<Published>,
-    /// How ours differs from what was published.
+    /// Differences of our runs from the paper's.
     #[serde(default)]
     pub deviations: Vec<String>,
     pub rows: Vec<String>,
     pub columns: Vec<String>,
-    /// A list a row, a cell a column.
+    /// A list for each row, with a cell for each column.
     pub cells: Vec<Vec<Cell>>,
-    /// By key, which is the name of its folder.
+    /// Runs by key, the name of their folder.
     #[serde(default)]
     pub runs: BTreeMap<String, TableRun>,
     /// Keys of the references.
@@ -56,7 +56,7 @@ fn yes() -> bool {
     true
 }
 
-/// What the published figures are of.
+/// Setup of the published figures.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Published {
     #[serde(default)]
@@ -72,26 +72,26 @@ pub struct Published {
 pub struct TableRun {
     #[serde(default)]
     pub label: String,
-    /// What the table set in its config.
+    /// Keys that the table set in the config.
     #[serde(default)]
     pub set: BTreeMap<String, Value>,
 }
 
-/// A figure of ours and the published one.
+/// Our figure and the published one.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(default)]
 pub struct Cell {
     pub measure: String,
-    /// `ms`, `x` for a ratio, `bytes`, or nothing.
+    /// `ms`, `x` for a ratio, `bytes`, or empty.
     pub unit: String,
-    /// `None` where it could not be had; then `why` says why.
+    /// The value; `None` if there is none, for the reason in `why`.
     pub value: Option<f64>,
     pub p5: Option<f64>,
     pub p95: Option<f64>,
-    /// Frames of a time.
+    /// Number of frames of a time.
     pub n: Option<usize>,
     pub published: Option<f64>,
-    /// The value over that of the table's base.
+    /// The value over the table's base value.
     pub relative: Option<f64>,
     pub published_relative: Option<f64>,
     /// Key of the run.
@@ -102,8 +102,10 @@ pub struct Cell {
 }
 
 impl TableFile {
+    /// Checks the number of cells.
+    ///
     /// # Errors
-    /// `BadInput` where the cells are not as many as the rows and columns say.
+    /// `BadInput` if the cells do not match the rows and columns.
     pub fn check(&self, path: &Path) -> Result<()> {
         let path = path.display();
         if self.cells.len() != self.rows.len() {
@@ -115,12 +117,12 @@ impl TableFile {
         }
     }
 
-    /// Key of the reference that the figures of a run are of, where the table says it.
+    /// Key of the reference for a run's figures, if the table names it.
     pub fn reference_of(&self, run: &str) -> Option<&str> {
         self.cells.iter().flatten().filter(|cell| cell.run.as_deref() == Some(run)).find_map(|cell| cell.reference.as_deref())
     }
 
-    /// Whether a published time may stand beside ours. One of a GPU says nothing about a CPU's, only how times relate does.
+    /// Whether published times may be shown beside ours. A GPU's times are not comparable to a CPU's; only ratios are.
     pub fn compares_times(&self) -> bool {
         self.device.kind != "cpu"
     }

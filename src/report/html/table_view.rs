@@ -1,4 +1,4 @@
-//! A table as it is shown: what of ours and of the published figures may stand side by side, and what has to be known of them.
+//! A table in the form that the template takes: the comparable figures of ours and the paper's, with notes.
 
 use super::folders::Run;
 use super::numbers;
@@ -6,12 +6,12 @@ use super::table::TableFile;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// A table as it is shown.
+/// A table in the form that the template takes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TableView {
     pub columns: Vec<Column>,
     pub rows: Vec<Row>,
-    /// Why cells are empty, each once.
+    /// Reasons for empty cells, without repetitions.
     pub whys: Vec<String>,
     /// Whether there are ratios to the table's base.
     pub has_relative: bool,
@@ -19,14 +19,14 @@ pub struct TableView {
     pub has_published: bool,
     /// Whether published times are left out.
     pub hides_times: bool,
-    /// `median of 5 frames`, where there are times.
+    /// `median of 5 frames` for tables with times.
     pub frames: Option<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Column {
     pub name: String,
-    /// That of all its cells; nothing where they differ.
+    /// Unit of all its cells; empty if they differ.
     pub unit: String,
 }
 
@@ -38,29 +38,29 @@ pub struct Row {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
 pub struct CellView {
-    /// What the figure is, in words.
+    /// The measure in words.
     pub measure: String,
     pub ours: Option<String>,
-    /// Where it is not the column's.
+    /// Unit, if the column has none.
     pub unit: String,
     pub range: Option<String>,
     pub paper: Option<String>,
     pub relative: Option<String>,
     pub paper_relative: Option<String>,
-    /// Number of the reason in [`TableView::whys`], from 1.
+    /// Index of the reason in [`TableView::whys`], from 1.
     pub why: Option<usize>,
-    /// Key of the run that it comes from.
+    /// Key of the figure's run.
     pub run: Option<String>,
 }
 
-/// Lays a table out and leaves out what must not be compared.
+/// Lays out a table, without figures that must not be compared.
 pub fn view(table: &TableFile) -> TableView {
     let times = table.compares_times();
     let column = |at: usize| table.cells.iter().map(move |row| &row[at]);
     let label = |unit: &str| match unit {
         "ms" => format!("ms, {}", table.device.kind),
         "x" => "×".to_owned(),
-        // Each has the unit that fits it.
+        // Each figure in bytes has its own unit.
         "bytes" => String::new(),
         unit => unit.to_owned(),
     };
@@ -72,7 +72,7 @@ pub fn view(table: &TableFile) -> TableView {
         let first = units.next().unwrap_or_default();
         let uniform = units.all(|unit| unit == first);
         columns.push(Column { name: name.clone(), unit: if uniform { label(first) } else { String::new() } });
-        // Ours and the paper's have the same decimals, so that they can be read one under the other.
+        // Our figures and the paper's have the same decimals, so that they line up.
         let figures: Vec<Option<f64>> = column(at).flat_map(|cell| [cell.value, cell.published, cell.p5, cell.p95]).collect();
         let aligned = if uniform && first == "ms" { Some(numbers::column(&figures)) } else { None };
         for (row, cell) in column(at).enumerate() {
@@ -111,7 +111,7 @@ pub fn view(table: &TableFile) -> TableView {
     }
 }
 
-/// What has to be known of a table: how it was run, what the published figures are of, and how ours differ.
+/// Notes on a table: how it ran, the setup of the published figures, and the differences of ours.
 pub fn notes(table: &TableFile, view: &TableView, runs: &[Run]) -> Vec<String> {
     let mut how = Vec::new();
     if !table.complete {
@@ -142,7 +142,7 @@ pub fn notes(table: &TableFile, view: &TableView, runs: &[Run]) -> Vec<String> {
     notes.into_iter().filter(|note| !note.is_empty()).collect()
 }
 
-/// Device, driver and mode of a table, and the resolutions and presets of its runs.
+/// Device, driver and timing mode of a table, and the resolutions and presets of its runs.
 fn origin(table: &TableFile, runs: &[Run]) -> String {
     let device = format!("{}, {}", table.device.label(), table.device.driver_label());
     let mut all = vec![device, format!("{} timing", table.timing_mode)];

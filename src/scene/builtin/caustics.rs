@@ -1,16 +1,16 @@
-//! Metal things on a floor that throw light about: what glossy virtual point lights are for.
+//! Metal objects on a floor that cast caustics: a scene for glossy virtual point lights.
 
 use crate::scene::builder::Mesh;
 use crate::scene::{Camera, Light, Material, Scene, SpotFalloff};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// How the metal things are made.
+/// Parameters of the metal objects.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Caustics {
-    /// Triangles in all, 8,000 and more; an odd number loses one.
+    /// Triangles in all, at least 8,000; an odd number is rounded down.
     pub triangles: u32,
-    /// GGX's alpha of the metal: a glTF material's roughness is its root.
+    /// GGX alpha of the metal; a glTF material's roughness is its square root.
     pub roughness: f32,
 }
 
@@ -35,7 +35,7 @@ pub fn caustics(config: &Caustics) -> Scene {
     let red = matte("red", [0.5, 0.12, 0.09]);
     let blue = matte("blue", [0.1, 0.18, 0.42]);
 
-    // What the room's walls leave is shared out among the things by their size; the floor takes the rest, so that the sum is exact.
+    // Triangles beyond the walls' are shared out among the objects by size; the floor takes the rest, so that the sum is exact.
     let scale = (f64::from(config.triangles.saturating_sub(60)) / 8_100.0).sqrt() as f32;
     let cells = |u: f32, v: f32| [u, v].map(|n| ((n * scale).floor() as usize).max(4));
     let at = |position: [f32; 3]| Affine3A::from_translation(position.into());
@@ -59,7 +59,8 @@ pub fn caustics(config: &Caustics) -> Scene {
         used += mesh.triangle_count();
     }
     let Vec3 { x, y, z } = ROOM;
-    // Walls go down past the floor, whose strips have corners along its edges that walls have not: there are cracks where they but meet.
+    // Walls go down below the floor: the floor's strips have corners along its edges that the walls lack, and surfaces that
+    // merely met would show cracks.
     let below = -0.01;
     let up = Vec3::Y * (y - below);
     for (material, corner, right) in [
@@ -96,18 +97,18 @@ pub fn caustics(config: &Caustics) -> Scene {
     scene
 }
 
-/// A parallelogram that faces `right x up`, in strips.
+/// A parallelogram that faces `right x up`, divided into strips.
 fn strips(mesh: &mut Mesh, corner: Vec3, right: Vec3, up: Vec3, count: usize) {
     let normal = right.cross(up).normalize();
     mesh.patch(1, count, |u, v| (corner + right * u + up * v, normal, Vec2::new(u, v)));
 }
 
-/// A hoop of a band with rounded rims, standing on the floor; its profile is a closed curve.
+/// A ring of a flat band with rounded rims, standing on the floor; its profile is a closed curve.
 fn ring(radius: f32, height: f32, thickness: f32, [around, along]: [usize; 2]) -> Mesh {
     let mut mesh = Mesh::default();
     let half = 0.5 * thickness;
     let straight = height - thickness;
-    // Up the outside, over the rim, down the inside, and under.
+    // The profile goes up the outside, over the rim, down the inside, and under.
     let profile = |v: f32| {
         let (turn, part) = ((v * 4.0).floor(), (v * 4.0).fract());
         let (sin, cos) = (0.5 * TAU * part).sin_cos();
@@ -129,11 +130,11 @@ fn ring(radius: f32, height: f32, thickness: f32, [around, along]: [usize; 2]) -
     mesh
 }
 
-/// A bowl open to +y, with dents as a hammer leaves them, its middle at the origin.
+/// A hammered bowl open to +y, its middle at the origin.
 fn bowl(radius: f32, thickness: f32, [around, along]: [usize; 2]) -> Mesh {
     let mut mesh = Mesh::default();
     let position = |u: f32, v: f32| {
-        // From the outer pole to the rim, and back to the inner one.
+        // The profile goes from the outer pole to the rim, and back to the inner pole.
         let (inside, part) = if v <= 0.5 { (false, 2.0 * v) } else { (true, 2.0 - 2.0 * v) };
         let polar = 0.5 * std::f32::consts::PI * part;
         let dents = (9.0 * TAU * u + 5.0 * polar).sin() * (11.0 * polar).sin() * part * (1.0 - part) * 4.0;
@@ -179,7 +180,7 @@ mod tests {
                 let [a, b, c] = corners.map(|v| Vec3::from(v.position));
                 let front = (b - a).cross(c - a).normalize();
                 let turned = corners.map(|corner| front.dot(pack::octahedral_snorm16_inverse(corner.normal)));
-                // At the bowl's rim a normal stands between those of both sides.
+                // At the bowl's rim a normal is between those of both sides.
                 assert!(turned.iter().sum::<f32>() > 0.9 && turned.iter().all(|cosine| *cosine > -0.1), "{turned:?}");
             }
         }

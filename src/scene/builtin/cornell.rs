@@ -4,13 +4,14 @@ use crate::scene::builder::Mesh;
 use crate::scene::{Camera, Light, Material, Scene, SpotFalloff};
 use glam::{Affine3A, Vec2, Vec3};
 
-/// The measured room, millimetres: x to the left of the viewer, y up, z into the room; here turned by half a circle, centred, and of 0.01 m each.
+/// The measured room, mm: x to the left of the viewer, y up, z into the room. [`place`] turns it by half a circle, centres it
+/// and scales it to 0.01 m per mm.
 const FLOOR: [[f32; 3]; 4] = [[552.8, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 559.2], [549.6, 0.0, 559.2]];
 const CEILING: [[f32; 3]; 4] = [[556.0, 548.8, 0.0], [556.0, 548.8, 559.2], [0.0, 548.8, 559.2], [0.0, 548.8, 0.0]];
 const BACK: [[f32; 3]; 4] = [[549.6, 0.0, 559.2], [0.0, 0.0, 559.2], [0.0, 548.8, 559.2], [556.0, 548.8, 559.2]];
 const RIGHT: [[f32; 3]; 4] = [[0.0, 0.0, 559.2], [0.0, 0.0, 0.0], [0.0, 548.8, 0.0], [0.0, 548.8, 559.2]];
 const LEFT: [[f32; 3]; 4] = [[552.8, 0.0, 0.0], [549.6, 0.0, 559.2], [556.0, 548.8, 559.2], [556.0, 548.8, 0.0]];
-/// The tops of the blocks: their sides go straight down to the floor.
+/// The tops of the blocks, whose sides go straight down to the floor.
 const SHORT_TOP: [[f32; 3]; 4] = [[130.0, 165.0, 65.0], [82.0, 165.0, 225.0], [240.0, 165.0, 272.0], [290.0, 165.0, 114.0]];
 const TALL_TOP: [[f32; 3]; 4] = [[423.0, 330.0, 247.0], [265.0, 330.0, 296.0], [314.0, 330.0, 456.0], [472.0, 330.0, 406.0]];
 
@@ -59,7 +60,7 @@ pub fn cornell() -> Scene {
     scene
 }
 
-/// From the published coordinates to the scene's.
+/// Scene coordinates of published ones.
 fn place([x, y, z]: [f32; 3]) -> Vec3 {
     Vec3::new(278.0 - x, y, 279.6 - z) * 0.01
 }

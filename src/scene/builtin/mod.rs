@@ -1,4 +1,4 @@
-//! Scenes made by code: nothing to load, the same bytes on every run.
+//! Scenes made by code: nothing to load, the same bytes in every run.
 
 mod atrium;
 mod caustics;
@@ -12,18 +12,18 @@ pub use atrium::{Atrium, atrium};
 pub use caustics::{Caustics, caustics};
 pub use cornell::cornell;
 
-/// How finely curved things are divided; 1 is the default scene's.
+/// Level of detail of curved surfaces; 1 is the default scene's.
 #[derive(Debug, Clone, Copy)]
 struct Detail(f32);
 
 impl Detail {
-    /// The number of divisions of something that has `full` of them at detail 1, at least `least`.
+    /// Number of divisions of a surface that has `full` of them at detail 1, at least `least`.
     fn count(self, full: f32, least: usize) -> usize {
         ((full * self.0).round() as usize).max(least)
     }
 
-    /// Whether something small is worth its triangles: it is from the given level on. Levels lie apart, so that the
-    /// number of triangles grows in small steps.
+    /// Whether a small feature is built at this level: at any level over `from`. Features begin at different levels, so that
+    /// the number of triangles grows in small steps.
     fn shows(self, from: f32) -> bool {
         self.0 > from
     }

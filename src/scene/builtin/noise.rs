@@ -1,4 +1,5 @@
-//! Random numbers and periodic noise: functions of their arguments alone, so that a scene has the same bytes on every run.
+//! Random numbers and periodic noise. Both are functions of their arguments alone, so that a scene has the same bytes in every
+//! run.
 
 /// A well-mixed 32-bit hash (the finalizer of MurmurHash3 over a multiplied combination).
 pub fn hash(x: u32, y: u32, seed: u32) -> u32 {
@@ -10,7 +11,7 @@ pub fn hash(x: u32, y: u32, seed: u32) -> u32 {
     h ^ h >> 16
 }
 
-/// A number in [0, 1) for a lattice point.
+/// Random number in [0, 1) of a lattice point.
 pub fn unit(x: u32, y: u32, seed: u32) -> f32 {
     (hash(x, y, seed) >> 8) as f32 / (1 << 24) as f32
 }
@@ -37,14 +38,15 @@ impl Random {
     }
 }
 
-/// A square of noise that repeats: fractal value noise in [0, 1] with mean near one half, made once and looked up often.
+/// A square tile of periodic fractal value noise in [0, 1] with mean near one half, made once and looked up often.
 pub struct Tile {
     size: usize,
     values: Vec<f32>,
 }
 
 impl Tile {
-    /// `cells` lattice cells across the lowest octave, each further octave twice as many at `gain` of the weight.
+    /// Fractal noise with `cells` lattice cells across the lowest octave. Each further octave has twice as many, weighted by
+    /// `gain`.
     pub fn fractal(size: usize, cells: usize, octaves: usize, gain: f32, seed: u32) -> Self {
         use rayon::prelude::*;
         let mut values = vec![0.0f32; size * size];
@@ -80,18 +82,18 @@ impl Tile {
         Self { size, values }
     }
 
-    /// The value at a texel of the repeated square.
+    /// Value at a texel of the repeated tile.
     pub fn texel(&self, x: usize, y: usize) -> f32 {
         self.values[(y % self.size) * self.size + x % self.size]
     }
 }
 
-/// The cubic step of [0, 1].
+/// Cubic smoothstep of [0, 1].
 pub fn smooth(t: f32) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// From 0 at `from` to 1 at `to`, smoothly, and constant outside.
+/// Smoothstep: 0 up to `from`, 1 from `to` on.
 pub fn step(from: f32, to: f32, x: f32) -> f32 {
     smooth(((x - from) / (to - from)).clamp(0.0, 1.0))
 }

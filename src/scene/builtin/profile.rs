@@ -1,9 +1,9 @@
-//! Moulding profiles: plane curves that are turned on a lathe or run along a wall.
+//! Moulding profiles: plane curves to be turned on a lathe or run along a wall.
 
 use super::Detail;
 use glam::Vec2;
 
-/// One smooth piece of a profile: a quadratic Bezier curve, or a line where the control point is missing.
+/// One smooth piece of a profile: a quadratic Bezier curve, or a line if `control` is `None`.
 #[derive(Debug, Clone, Copy)]
 struct Piece {
     from: Vec2,
@@ -21,8 +21,8 @@ pub struct Sample {
     pub length: f32,
 }
 
-/// A profile: `x` is the radius or the distance from the wall, `y` goes along the axis. Walking it, the solid is on the
-/// left, so an outline is drawn upwards.
+/// A profile: `x` is the radius or the distance from the wall, `y` the height along the axis. The solid is on the left of the
+/// curve's direction, so an outline is drawn upwards.
 #[derive(Debug, Clone)]
 pub struct Profile {
     pen: Vec2,
@@ -41,25 +41,24 @@ impl Profile {
         self
     }
 
-    /// A curve that leaves towards the control point and arrives from it.
+    /// A quadratic Bezier curve.
     pub fn curve(mut self, control: (f32, f32), to: (f32, f32), segments: f32) -> Self {
         self.pieces.push(Piece { from: self.pen, control: Some(control.into()), to: to.into(), segments });
         self.pen = to.into();
         self
     }
 
-    /// A half-round moulding of the profile's present `x`, from the present `y` to the given one.
+    /// A half-round moulding at the present `x`, from the present `y` to the given one.
     pub fn torus(self, bulge: f32, y: f32, segments: f32) -> Self {
         let (x, middle) = (self.pen.x, 0.5 * (self.pen.y + y));
         let quarter = 0.5 * (middle - self.pen.y).abs().min(bulge);
         self.curve((x + bulge, middle - quarter), (x + bulge, middle), segments).curve((x + bulge, middle + quarter), (x, y), segments)
     }
 
-    /// The smooth runs of the profile at a level of detail. At low levels the mouldings are thinned to the lines
-    /// that matter most.
+    /// The smooth runs of the profile at a level of detail. At low levels mouldings are simplified to their main lines.
     pub fn runs(&self, detail: Detail) -> Vec<Vec<Sample>> {
         let mut length = 0.0;
-        // Long profiles first, so that the number of triangles does not jump.
+        // Long profiles are simplified first, so that the number of triangles does not jump.
         if !detail.shows(if self.pieces.len() > 12 { 0.46 } else { 0.56 }) {
             let mut points = vec![self.pieces[0].from];
             for piece in &self.pieces {
@@ -110,7 +109,7 @@ impl Piece {
     }
 }
 
-/// The Ramer-Douglas-Peucker choice of points: no point that is left out lies farther than `tolerance` from the line.
+/// Ramer-Douglas-Peucker simplification: no omitted point is farther than `tolerance` from the line.
 fn thinned(points: &[Vec2], tolerance: f32) -> Vec<Vec2> {
     let (first, last) = (points[0], points[points.len() - 1]);
     let chord = (last - first).normalize_or(Vec2::X);

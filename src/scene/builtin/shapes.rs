@@ -1,4 +1,4 @@
-//! The shapes that the built-in scenes are made of: patches, boxes, turned and swept mouldings, finely enough divided.
+//! Shapes of the built-in scenes: patches, boxes, turned and swept mouldings, divided as finely as asked.
 
 use super::{Detail, profile::Profile};
 use crate::scene::builder::Mesh;
@@ -6,8 +6,8 @@ use glam::{Affine3A, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
 impl Mesh {
-    /// A grid of `nu * nv` cells over the unit square; `at` gives position, unit normal and texture coordinates.
-    /// Triangles turn the side to the front that the normals are on; those without area are left out.
+    /// A grid of `nu * nv` cells over the unit square; `at` gives position, unit normal and texture coordinates. Triangles face
+    /// the side of their normals. Degenerate triangles are left out.
     pub(super) fn patch(&mut self, nu: usize, nv: usize, at: impl Fn(f32, f32) -> (Vec3, Vec3, Vec2)) {
         let base = self.positions.len() as u32;
         for j in 0..=nv {
@@ -26,7 +26,7 @@ impl Mesh {
         }
     }
 
-    /// A triangle, turned so that its front is where its normals point.
+    /// Adds a triangle that faces the side of its normals; a degenerate one is left out.
     fn facing(&mut self, [a, b, c]: [u32; 3]) {
         let [pa, pb, pc] = [a, b, c].map(|i| self.positions[i as usize]);
         let area = (pb - pa).cross(pc - pa);
@@ -38,13 +38,13 @@ impl Mesh {
         self.indices.extend(if area.dot(normal) >= 0.0 { [a, b, c] } else { [a, c, b] });
     }
 
-    /// A patch whose normals come from the surface itself: towards `du x dv`, or away from it where `flip` is set. They are
-    /// those of the cells around a vertex, so that a coarse mesh is shaded as what it is. `position` is also asked a little
+    /// A patch whose normals are computed from the surface: along `du x dv`, or against it if `flip` is set. The differences
+    /// span the cells around a vertex, so that a coarse mesh is shaded by its own shape. `position` is also evaluated a little
     /// outside [0, 1] in `u`.
     pub(super) fn surface(&mut self, [nu, nv]: [usize; 2], flip: bool, position: impl Fn(f32, f32) -> Vec3, uv: impl Fn(f32, f32) -> Vec2) {
         let (hu, hv) = (0.9 / nu as f32, 0.9 / nv as f32);
         self.patch(nu, nv, |u, v| {
-            // Where the surface ends in a point it has a normal only next to it.
+            // Normals of a pole are taken next to it: a surface that ends in a point has no normal there.
             let inside = v.clamp(0.3 * hv, 1.0 - 0.3 * hv);
             let du = position(u + hu, inside) - position(u - hu, inside);
             let dv = position(u, (v + hv).min(1.0)) - position(u, (v - hv).max(0.0));
@@ -53,8 +53,8 @@ impl Mesh {
         });
     }
 
-    /// A flat parallelogram from `origin` along `u` and `v`, facing `u x v`, in cells of at most `cell` metres.
-    /// Texture coordinates are metres over `tile`, measured from the point `origin` of a larger plane when `start` is given.
+    /// A flat parallelogram from `origin` along `u` and `v`, facing `u x v`, in cells of at most `cell` metres. Texture
+    /// coordinates are metres over `tile`; `start` is the corner's place on a larger plane.
     pub(super) fn plane(&mut self, origin: Vec3, u: Vec3, v: Vec3, cell: f32, tile: f32, start: Vec2) {
         let (lu, lv) = (u.length(), v.length());
         let cells = |length: f32| ((length / cell).round() as usize).max(1);
@@ -64,7 +64,7 @@ impl Mesh {
         });
     }
 
-    /// The faces of a box that `faces` names (any of `-x+x-y+y-z+z`, one letter pair each), textured in metres over `tile`.
+    /// The faces of a box in `faces` (any of `-x+x-y+y-z+z`, a sign and a letter each), textured in metres over `tile`.
     pub(super) fn cuboid(&mut self, min: Vec3, max: Vec3, faces: &str, tile: f32) {
         let size = max - min;
         for face in faces.as_bytes().chunks(2) {
@@ -76,7 +76,7 @@ impl Mesh {
             let positive = face[0] == b'+';
             let mut normal = Vec3::ZERO;
             normal[axis] = if positive { 1.0 } else { -1.0 };
-            // In a wall's plane texture v goes up; on a floor it goes along z.
+            // Texture v goes up on walls, and along z on floors.
             let (right, up) = match axis {
                 0 => (Vec3::Z, Vec3::Y),
                 1 => (Vec3::X, Vec3::Z),
@@ -92,8 +92,8 @@ impl Mesh {
         }
     }
 
-    /// Turns a profile (radius, height) around the y axis. Texture coordinates are metres over `tile` along the profile, and
-    /// the whole number of repetitions nearest to that around it.
+    /// Turns a profile (radius, height) around the y axis. Texture coordinates along the profile are metres over `tile`; around
+    /// it the texture repeats the nearest whole number of times.
     pub(super) fn lathe(&mut self, profile: &Profile, sides: usize, detail: Detail, tile: f32) {
         let runs = profile.runs(detail);
         let widest = runs.iter().flatten().map(|s| s.point.x).fold(0.0, f32::max);
@@ -110,8 +110,8 @@ impl Mesh {
         }
     }
 
-    /// Runs a profile (distance inwards from the rectangle `half`, height) along the inside of that rectangle of the floor
-    /// plane, mitred at its corners; `outward` runs it along the outside, where the distance counts outwards.
+    /// Runs a profile (distance inwards from the rectangle `half`, height) along the inside of the rectangle on the floor
+    /// plane, mitred at its corners. With `outward` it runs along the outside, and distances count outwards.
     pub(super) fn frame(&mut self, profile: &Profile, half: Vec2, outward: bool, cell: f32, detail: Detail, tile: f32) {
         let sign = if outward { 1.0 } else { -1.0 };
         for side in 0..4 {
@@ -137,8 +137,8 @@ impl Mesh {
         }
     }
 
-    /// Runs a profile (radius, height over the wall) around the half circle above the springing line at `center`, in the
-    /// xy plane, facing +z. Walked from the inner edge over the top to the outer one.
+    /// Runs a profile (radius, height over the wall) around the half circle above the springing line at `center`, in the xy
+    /// plane, facing +z. The profile goes from the inner edge over the top to the outer one.
     pub(super) fn archivolt(&mut self, profile: &Profile, center: Vec3, segments: usize, detail: Detail, tile: f32) {
         for run in profile.runs(detail) {
             let last = run.len() - 1;
@@ -146,14 +146,14 @@ impl Mesh {
                 let sample = run[(v * last as f32).round() as usize];
                 let (sin, cos) = (PI * u).sin_cos();
                 let position = center + Vec3::new(sample.point.x * cos, sample.point.x * sin, sample.point.y);
-                // The profile is walked outwards with the solid below it: the left-hand side is outside here.
+                // The profile goes outwards with the solid below it: its left-hand side is outside here.
                 let normal = -Vec3::new(sample.normal.x * cos, sample.normal.x * sin, sample.normal.y);
                 (position, normal, Vec2::new(PI * u * sample.point.x.max(0.2), -sample.length) / tile)
             });
         }
     }
 
-    /// Adds another mesh's triangles at a place.
+    /// Adds another mesh's triangles, transformed.
     pub(super) fn append(&mut self, other: &Mesh, transform: Affine3A) {
         let base = self.positions.len() as u32;
         let normals = transform.matrix3.inverse().transpose();

@@ -1,10 +1,10 @@
-//! Painting textures: from a function of the texel to bytes, in parallel rows.
+//! Painting textures: texels from functions, in parallel rows.
 
 use super::noise::{Tile, hash, step, unit};
 use crate::scene::Texture;
 use rayon::prelude::*;
 
-/// A colour texture from linear RGBA in [0, 1].
+/// A colour texture; `paint` gives linear RGBA in [0, 1].
 pub fn color(name: &str, size: usize, paint: impl Fn(usize, usize) -> [f32; 4] + Sync) -> Texture {
     let curve: Vec<u8> = (0..4096)
         .map(|i| {
@@ -31,7 +31,7 @@ pub fn surface(name: &str, size: usize, paint: impl Fn(usize, usize) -> [f32; 2]
     Texture { name: name.into(), width: size as u32, height: size as u32, srgb: false, texels }
 }
 
-/// A normal map of a height field that repeats; heights are in texels.
+/// The normal map of a periodic height field; heights are in texels.
 pub fn normals(name: &str, size: usize, height: impl Fn(usize, usize) -> f32 + Sync) -> Texture {
     let mut heights = vec![0.0f32; size * size];
     heights.par_chunks_mut(size).enumerate().for_each(|(y, row)| {
@@ -43,7 +43,7 @@ pub fn normals(name: &str, size: usize, height: impl Fn(usize, usize) -> f32 + S
     let texels = rows(size, |x, y| {
         let dx = at(x + 1, y) - at(x + size - 1, y);
         let dy = at(x, y + 1) - at(x, y + size - 1);
-        // Green points up in the image, as glTF has it.
+        // Green points up in the image, as in glTF.
         let n = glam::Vec3::new(-dx, dy, 2.0).normalize();
         let byte = |c: f32| ((c * 0.5 + 0.5) * 255.0).round() as u8;
         [byte(n.x), byte(n.y), byte(n.z), 255]
@@ -61,15 +61,15 @@ fn rows(size: usize, texel: impl Fn(usize, usize) -> [u8; 4] + Sync) -> Vec<u8> 
     texels
 }
 
-/// Blocks laid in courses on a square that repeats.
+/// Blocks laid in courses on a periodic square.
 pub struct Masonry {
-    /// Of each course the ends of its blocks, in [0, 1) and rising.
+    /// Ends of the blocks of each course, rising in [0, 1).
     courses: Vec<Vec<f32>>,
     seed: u32,
 }
 
 impl Masonry {
-    /// `courses` rows with `blocks` or one more in each, of unequal lengths (`jitter` of a block).
+    /// `courses` rows of `blocks` blocks, or one more, of unequal lengths (`jitter` of a block).
     pub fn new(courses: usize, blocks: usize, jitter: f32, seed: u32) -> Self {
         let courses = (0..courses as u32)
             .map(|row| {
@@ -84,7 +84,7 @@ impl Masonry {
         Self { courses, seed }
     }
 
-    /// The block at a point of the unit square, as a random number of its own, and the distance from its edge.
+    /// The block at a point of the unit square, as a random number, and the distance to its edge.
     pub fn at(&self, u: f32, v: f32) -> (u32, f32) {
         let rows = self.courses.len() as f32;
         let row = ((v * rows) as usize).min(self.courses.len() - 1);
@@ -104,9 +104,9 @@ impl Masonry {
     }
 }
 
-/// The fields of noise that the textures share.
+/// Noise fields shared by the textures.
 pub struct Fields {
-    /// Broad stains, middling clouds, and grain.
+    /// Noise of low frequency (stains), middle frequency (clouds) and high frequency (grain).
     pub stains: Tile,
     pub clouds: Tile,
     pub grain: Tile,

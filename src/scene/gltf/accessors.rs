@@ -8,10 +8,10 @@ use gltf_json::validation::Checked;
 use gltf_json::{Index, buffer};
 use std::fmt;
 
-/// An accessor without a buffer view is all zeros, and no byte of the file bounds its count: this does.
+/// Limit of elements of an accessor without a buffer view. It is all zeros, and no bytes of the file bound its count.
 const MAX_ZEROS: u64 = 1 << 20;
 
-/// What an accessor's numbers are: a vertex attribute, or the keys of an animation.
+/// Use of an accessor: a vertex attribute, or a property of animation keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Attribute {
     Position,
@@ -42,7 +42,7 @@ impl fmt::Display for Attribute {
 }
 
 impl Attribute {
-    /// Whether it may have this component type: as glTF 2.0 has it, or as KHR_mesh_quantization adds to it.
+    /// Whether the attribute may have this component type, by glTF 2.0 or KHR_mesh_quantization.
     fn allows(self, component: ComponentType, normalized: bool, quantized: bool) -> bool {
         use ComponentType::{F32, I8, I16, U8, U16, U32};
         match (self, component) {
@@ -80,7 +80,7 @@ fn dimensions(kind: Type) -> usize {
     }
 }
 
-/// An accessor whose type and component type are known to be valid.
+/// An accessor whose type and component type are valid.
 struct Typed<'a> {
     accessor: &'a Accessor,
     component: ComponentType,
@@ -88,13 +88,12 @@ struct Typed<'a> {
 }
 
 impl File<'_> {
-    /// The number of an attribute's elements.
+    /// Number of an accessor's elements.
     pub fn count(&self, index: Index<Accessor>) -> Result<u64> {
         Ok(self.get(index, "accessor")?.count.0)
     }
 
-    /// An attribute's elements as floats; all are finite. `N` is the number of components, which a colour of three
-    /// is filled up to with ones.
+    /// An attribute's elements as floats, all finite, of `N` components. A colour of three components gets ones in the rest.
     pub fn floats<const N: usize>(&self, index: Index<Accessor>, attribute: Attribute) -> Result<Vec<[f32; N]>> {
         self.read_floats(index, attribute).with_context(|| format!("{attribute}, accessor {index}"))
     }
@@ -163,7 +162,7 @@ impl File<'_> {
         Ok(Typed { accessor, component: component.0, kind })
     }
 
-    /// All elements of an accessor, each component converted from its bytes.
+    /// All elements of an accessor; `convert` reads each component.
     fn elements<T: Copy + Default, const N: usize, const SIZE: usize>(
         &self,
         typed: &Typed<'_>,
@@ -205,7 +204,7 @@ impl File<'_> {
         Ok(elements)
     }
 
-    /// A view of sparse indices or values, which lie close together.
+    /// The view of sparse indices or values, which are tightly packed.
     fn sparse_view(&self, index: Index<buffer::View>) -> Result<View<'_>> {
         Ok(View { stride: None, ..self.view(index)? })
     }

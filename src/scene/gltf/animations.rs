@@ -1,4 +1,4 @@
-//! A file's animations: the chosen one's channels as tracks of the nodes that they move.
+//! Animations of a file: the chosen one's channels as tracks of nodes.
 
 use super::accessors::Attribute;
 use super::geometry::{MAX_DISTANCE, is_near};
@@ -11,22 +11,22 @@ use gltf_json::validation::Checked;
 use gltf_json::{Index, Node};
 use std::collections::HashMap;
 
-/// Keys of an animation: a small file in which many samplers share their accessors would fill the memory with tracks.
+/// Limit of an animation's keys: a small file in which many samplers share accessors would fill the memory with tracks.
 const MAX_KEYS: usize = 1 << 23;
 
-/// The chosen animation, before it is known what hangs on its nodes.
+/// The chosen animation, before its nodes' draws, lights and cameras are known.
 pub struct Played {
-    /// As messages call it.
+    /// Label in messages.
     pub label: String,
     pub name: String,
-    /// Seconds; over 0.
+    /// Duration, s; over 0.
     pub duration: f64,
     pub tracks: Vec<Track>,
-    /// By the node's index.
+    /// Animated nodes, by index.
     pub nodes: HashMap<usize, Moved>,
 }
 
-/// Which of a node's properties have tracks.
+/// Tracks of a node's properties.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Moved {
     pub translation: Option<usize>,
@@ -34,7 +34,7 @@ pub struct Moved {
     pub scale: Option<usize>,
 }
 
-/// Reads the chosen animation; none where none is wanted, or there is none and none was asked for, or nothing is in it.
+/// Reads the chosen animation. `None` if none is wanted, if the file has none and none was named, or if it is empty.
 pub fn read(file: &File<'_>, choice: &AnimationChoice, warnings: &mut Warnings) -> Result<Option<Played>> {
     let Some(index) = chosen(&file.root.animations, choice)? else { return Ok(None) };
     let animation = &file.root.animations[index];
@@ -68,10 +68,10 @@ struct Reader<'a> {
     file: &'a File<'a>,
     animation: &'a Animation,
     tracks: Vec<Track>,
-    /// The track of a sampler, as a rotation or as a vector.
+    /// Tracks by sampler, and whether the track is a rotation.
     known: HashMap<(usize, bool), usize>,
     nodes: HashMap<usize, Moved>,
-    /// Of all tracks.
+    /// Keys of all tracks so far.
     keys: usize,
 }
 
@@ -161,7 +161,7 @@ impl Reader<'_> {
     }
 }
 
-/// Refuses a scene in which the animation carries something too far away.
+/// Refuses a scene whose animation moves a mesh too far away.
 pub fn check_reach(scene: &Scene) -> Result<()> {
     match scene.swept_bounds().into_iter().find(|(_, swept)| !is_near(*swept)) {
         Some((draw, _)) => {

@@ -1,4 +1,4 @@
-//! Where the bytes come from: the binary chunk, data: URIs and files beside the scene; and views of them.
+//! Sources of bytes: the binary chunk, data: URIs and files beside the scene; and buffer views.
 
 use super::{File, refuse};
 use anyhow::{Context, Result};
@@ -9,13 +9,13 @@ use std::borrow::Cow;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// All buffers of a file together may have so many bytes (8 GiB).
+/// Limit of bytes of all buffers together (8 GiB).
 const MAX_BYTES: u64 = 8 << 30;
 
 /// The bytes of all buffers.
 pub struct Buffers<'a>(Vec<Cow<'a, [u8]>>);
 
-/// A buffer view's bytes and the distance of its elements, where it gives one.
+/// A buffer view's bytes, and the stride of its elements if given.
 #[derive(Clone, Copy)]
 pub struct View<'a> {
     pub bytes: &'a [u8],
@@ -23,7 +23,7 @@ pub struct View<'a> {
 }
 
 impl<'a> Buffers<'a> {
-    /// Gets every buffer's bytes, exactly as many as it says.
+    /// Loads every buffer, exactly as many bytes as its declared length.
     pub fn load(root: &Root, bin: Option<&'a [u8]>, base: Option<&Path>) -> Result<Self> {
         let mut total = 0u64;
         let load = |(index, buffer): (usize, &buffer::Buffer)| {
@@ -74,12 +74,12 @@ impl File<'_> {
     }
 }
 
-/// The bytes behind a URI: decoded where it is a data: URI, otherwise at most `limit` bytes of the file that it names.
+/// The bytes of a URI: a data: URI decoded, or at most `limit` bytes of the named file.
 pub fn fetch(uri: &str, base: Option<&Path>, limit: u64) -> Result<Vec<u8>> {
     if let Some(data) = uri.strip_prefix("data:") {
         return decode_data(data);
     }
-    // A scheme comes before the first slash; so does the drive letter of a path that would only work on one machine.
+    // A scheme comes before the first slash. A drive letter is refused with it: such a path would only work on one machine.
     let scheme = uri.split_once(':').filter(|(scheme, _)| !scheme.contains('/'));
     if let Some((scheme, _)) = scheme {
         refuse!("its uri has the scheme {:?}, only data: and files beside the scene are supported", shorten(scheme));
@@ -97,7 +97,7 @@ pub fn fetch(uri: &str, base: Option<&Path>, limit: u64) -> Result<Vec<u8>> {
     read_file(&base.join(&relative), limit).with_context(|| relative.display().to_string())
 }
 
-/// At most `limit` bytes of a file. What is no regular file is refused: a pipe or a device might never end.
+/// Reads at most `limit` bytes of a file. Only regular files are read: a pipe or a device might never end.
 pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let metadata = match std::fs::metadata(path) {
         Ok(metadata) => metadata,
@@ -113,7 +113,7 @@ pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>> {
     }
 }
 
-/// The contents of a data: URI, less its scheme: `[type][;base64],contents`.
+/// Decodes the contents of a data: URI without its scheme: `[type][;base64],contents`.
 fn decode_data(data: &str) -> Result<Vec<u8>> {
     let Some((kind, contents)) = data.split_once(',') else {
         refuse!("its data: uri has no comma");
@@ -129,7 +129,7 @@ fn decode_data(data: &str) -> Result<Vec<u8>> {
     }
 }
 
-/// The beginning of a string that may be of any length.
+/// The first 80 characters of a string of any length.
 fn shorten(text: &str) -> String {
     text.chars().take(80).collect()
 }

@@ -1,4 +1,4 @@
-//! The outer shell: the chunks of a .glb, the JSON, its version and its extensions.
+//! The container: the chunks of a .glb, the JSON, its version and its extensions.
 
 use super::{Warning, Warnings, refuse};
 use anyhow::Result;
@@ -14,7 +14,7 @@ pub struct Container<'a> {
     pub bin: Option<&'a [u8]>,
 }
 
-/// Takes a file apart. What does not begin as a .glb is taken for the JSON of a .gltf.
+/// Splits a file. Bytes that do not begin as a .glb are taken as the JSON of a .gltf.
 pub fn split(bytes: &[u8]) -> Result<Container<'_>> {
     if !bytes.starts_with(b"glTF") {
         let json = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
@@ -55,7 +55,7 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?))
 }
 
-/// Parses the JSON and checks what it asks of a reader: the version, and the extensions that it requires.
+/// Parses the JSON, and checks the version and the required extensions.
 pub fn parse(json: &[u8], warnings: &mut Warnings) -> Result<Root> {
     let root = match Root::from_slice(json) {
         Ok(root) => root,

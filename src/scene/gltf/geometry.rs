@@ -1,4 +1,4 @@
-//! Meshes into the scene's one vertex and one index array, and a draw for each place that they stand at.
+//! Adding meshes to the scene's one vertex and one index array, with a draw per node.
 
 use super::accessors::Attribute;
 use super::materials::{Materials, Used};
@@ -15,15 +15,15 @@ use gltf_json::validation::Checked;
 use gltf_json::{Index, Mesh};
 use std::collections::HashMap;
 
-/// Nothing lies farther from the origin (m): beyond it, single precision has steps of more than 50 m.
+/// Limit of distances from the origin, m: beyond it, single precision has steps of more than 50 m.
 pub const MAX_DISTANCE: f32 = 1e9;
-/// Primitives that all nodes show together: a small file in which many nodes show many would fill the memory with draws.
+/// Limit of primitives over all nodes: a small file in which many nodes show many primitives would fill the memory with draws.
 const MAX_SHOWN: usize = 1 << 20;
-/// Vertices and indices of a scene (2 GiB each).
+/// Limits of a scene's vertices and indices (2 GiB each).
 const MAX_VERTICES: usize = 1 << 26;
 const MAX_INDICES: usize = 1 << 29;
 
-/// Everything that a range of vertices is made from. Primitives that agree in it share the range.
+/// All inputs of a range of vertices. Primitives with equal keys share the range.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct VertexKey {
     positions: usize,
@@ -31,9 +31,9 @@ struct VertexKey {
     tangents: Option<usize>,
     uvs: Option<(u32, usize)>,
     colors: Option<usize>,
-    /// Given tangents get the other handedness: a mirrored node turns right hands into left ones.
+    /// The handedness of given tangents is flipped, since a mirrored node swaps it.
     mirrored_tangents: bool,
-    /// Where corners get vertices of their own: flat normals and tangents depend on the triangles.
+    /// Inputs of vertices made per corner: flat normals and tangents depend on the triangles.
     corners: Option<Corners>,
 }
 
@@ -42,7 +42,7 @@ struct Corners {
     indices: Option<usize>,
     mode: u8,
     mirrored: bool,
-    /// The normal map's material, where tangents are made for it.
+    /// Material of the normal map, if tangents are made for it.
     material: Option<u32>,
 }
 
@@ -61,7 +61,7 @@ struct Vertices {
     count: u32,
 }
 
-/// A range of triangles and the box around them, in their own space.
+/// A range of triangles and its bounds, in mesh space.
 #[derive(Clone, Copy)]
 struct Triangles {
     vertex_offset: u32,
@@ -76,7 +76,7 @@ struct Builder<'a> {
     warnings: &'a mut Warnings,
     vertices: HashMap<VertexKey, Vertices>,
     triangles: HashMap<IndexKey, Option<Triangles>>,
-    /// How many primitives the nodes have shown so far.
+    /// Primitives counted so far, over all nodes.
     shown: usize,
 }
 
@@ -90,7 +90,7 @@ pub fn build(file: &File<'_>, meshes: &[PlacedMesh], materials: &Materials, scen
     Ok(())
 }
 
-/// Whether no coordinate of a box is too large, or not a number.
+/// Whether all coordinates of a box are within [`MAX_DISTANCE`]; NaN is not.
 pub fn is_near(bounds: Aabb) -> bool {
     [bounds.min, bounds.max].iter().all(|corner| corner.abs().cmple(Vec3::splat(MAX_DISTANCE)).all())
 }
@@ -123,7 +123,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// A primitive's triangles; none where it has none.
+    /// The range of a primitive's triangles; `None` if it has no triangles.
     fn primitive(&mut self, primitive: &Primitive, material: Used, mirrored: bool) -> Result<Option<Triangles>> {
         let Checked::Valid(mode) = primitive.mode else {
             refuse!("its mode is none of glTF's");
@@ -147,7 +147,7 @@ impl Builder<'_> {
             self.warnings.add(Warning::NoUvs, sentence);
         }
         let normals = attribute(Semantic::Normals);
-        // Without normals, given tangents mean nothing.
+        // Given tangents are meaningless without normals.
         let tangents = attribute(Semantic::Tangents).filter(|_| material.has_normal_map && normals.is_some());
         let makes_tangents = material.has_normal_map && tangents.is_none();
         let value = |index: Index<Accessor>| index.value();
@@ -187,7 +187,7 @@ impl Builder<'_> {
                 triangulate(list.len(), mode, |i| list[i])
             }
             None => {
-                // Reading them first holds the count against the bytes that are there.
+                // The positions are read first, which checks the count against the bytes of the file.
                 self.file.floats::<3>(Index::new(key.vertices.positions as u32), Attribute::Position)?;
                 triangulate(usize::try_from(count)?, mode, |i| i as u32)
             }
@@ -199,7 +199,7 @@ impl Builder<'_> {
         if key.mirrored {
             indices.as_chunks_mut::<3>().0.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
         }
-        // From the order that the corners have now: that of a mirrored node turns the handedness as well.
+        // Tangents follow the corners' present order: a mirrored node's order flips the handedness too.
         if let Some((vertices, map)) = own.as_mut().zip(self.map_without_tangents(&key.vertices)) {
             tangents::fill(vertices, &mut indices, |uv| map.matrix * uv + map.offset);
         }
@@ -220,12 +220,12 @@ impl Builder<'_> {
         Ok(Some(Triangles { vertex_offset: range.offset, first_index: first_index as u32, index_count: index_count as u32, bounds }))
     }
 
-    /// The normal map that vertices need tangents made for.
+    /// The normal map for which tangents must be made.
     fn map_without_tangents(&self, key: &VertexKey) -> Option<Map> {
         self.scene.materials[key.corners.as_ref()?.material? as usize].normal_map
     }
 
-    /// The range of vertices that primitives of the same attributes share.
+    /// The range of vertices shared by primitives with the same attributes.
     fn shared_vertices(&mut self, key: &VertexKey) -> Result<Vertices> {
         if let Some(known) = self.vertices.get(key) {
             return Ok(*known);
@@ -245,7 +245,7 @@ impl Builder<'_> {
         Ok(Vertices { offset: offset as u32, count: count as u32 })
     }
 
-    /// The vertices as the file has them. Where it has no normals they are left open.
+    /// Vertices from the file. Without normals in the file they point up.
     fn read_vertices(&mut self, key: &VertexKey) -> Result<Vec<Vertex>> {
         let file = self.file;
         let positions: Vec<[f32; 3]> = read(file, Some(key.positions), Attribute::Position, None)?;
@@ -284,7 +284,7 @@ impl Builder<'_> {
     }
 }
 
-/// An attribute of `count` elements, or nothing where it is not there.
+/// An attribute of `count` elements; empty if it is missing.
 fn read<const N: usize>(file: &File<'_>, index: Option<usize>, attribute: Attribute, count: Option<usize>) -> Result<Vec<[f32; N]>> {
     let Some(index) = index else {
         return Ok(Vec::new());

@@ -1,4 +1,4 @@
-//! Images: found, measured, and decoded in parallel.
+//! Images: lookup, limits, and parallel decoding.
 
 use super::textures::ImageUse;
 use super::{File, buffers, label, refuse};
@@ -13,18 +13,18 @@ use std::collections::HashMap;
 use std::io::Cursor;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Texels a side; as much as common devices can have.
+/// Limit of texels a side, the largest that common devices support.
 const MAX_SIDE: u32 = 16_384;
-/// All images of a scene together, decoded (4 GiB).
+/// Limit of a scene's decoded images together (4 GiB).
 const MAX_BYTES: u64 = 4 << 30;
-/// One image's file (1 GiB).
+/// Limit of one image's file (1 GiB).
 const MAX_ENCODED: u64 = 1 << 30;
-/// No more bytes come out of a byte of a PNG (1032 by its compression, 8 by its one-bit texels) or of a JPEG.
+/// Most decoded bytes per byte of a PNG (1032 by its compression, 8 by its one-bit texels) or of a JPEG.
 const MAX_RATIO: u64 = 8 * 1032;
 
-/// Decodes all images and adds them as the scene's textures, in their order.
+/// Decodes all images and appends them to the scene's textures, in order.
 pub fn decode(file: &File<'_>, uses: &[ImageUse], scene: &mut Scene) -> Result<()> {
-    // The same image as colour and as data is decoded for the first and copied for the second.
+    // An image used both as colour and as data is decoded once and copied.
     let mut decoder_of = HashMap::new();
     for (position, wanted) in uses.iter().enumerate() {
         decoder_of.entry(wanted.image.value()).or_insert(position);
@@ -49,7 +49,7 @@ pub fn decode(file: &File<'_>, uses: &[ImageUse], scene: &mut Scene) -> Result<(
     Ok(())
 }
 
-/// An image's width, height and RGBA texels. `decoded` counts the bytes of all.
+/// An image's width, height and RGBA texels. `decoded` sums the bytes of all images.
 fn texels(file: &File<'_>, image: &Image, decoded: &AtomicU64) -> Result<(u32, u32, Vec<u8>)> {
     let encoded = encoded(file, image)?;
     if encoded.starts_with(b"\x89PNG\r\n\x1a\n") {
@@ -83,12 +83,12 @@ fn finish(decoder: image::ImageResult<impl ImageDecoder>, encoded: usize, decode
     }
 }
 
-/// A decoder's message, which may come in several lines.
+/// A decoder's message without line breaks.
 fn one_line(error: &image::ImageError) -> String {
     error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// The bytes of the PNG or JPEG.
+/// The encoded bytes of a PNG or JPEG.
 fn encoded<'a>(file: &'a File<'_>, image: &Image) -> Result<Cow<'a, [u8]>> {
     match (image.buffer_view, &image.uri) {
         (Some(view), _) => Ok(Cow::Borrowed(file.view(view)?.bytes)),

@@ -10,8 +10,8 @@ use gltf_json::validation::Checked;
 use gltf_json::{Index, Node};
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// A light at a node, which shines along the node's -Z. The extension's photometric numbers (lux, candela) are taken as
-/// the radiometric ones (W/m^2, W/sr) of the same value.
+/// A light at a node, shining along the node's -Z. The extension's photometric numbers (lux, candela) are taken as radiometric
+/// ones (W/m^2, W/sr) of the same value.
 pub fn light(file: &File<'_>, index: Index<PunctualLight>, world: DAffine3, warnings: &mut Warnings) -> Result<Light> {
     let light = file.get(index, "light")?;
     punctual(light, world, warnings).with_context(|| label("light", index.value(), light.name.as_ref()))
@@ -35,7 +35,7 @@ fn punctual(light: &PunctualLight, world: DAffine3, warnings: &mut Warnings) -> 
                 refuse!("it is a spot light, but does not have the object \"spot\"");
             };
             let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
-            // The bound leaves room for pi / 2 as other programs round it.
+            // The tolerance admits pi / 2 as rounded by other programs.
             if !(0.0 <= inner && inner < outer && outer <= FRAC_PI_2 + 1e-4) {
                 refuse!("its cone angles, inner {inner} and outer {outer}, must hold 0 <= inner < outer <= pi / 2");
             }
@@ -48,7 +48,7 @@ fn punctual(light: &PunctualLight, world: DAffine3, warnings: &mut Warnings) -> 
     Ok(made)
 }
 
-/// A perspective camera at a node, which looks along the node's -Z; orthographic ones are left out.
+/// A perspective camera at a node, looking along the node's -Z. Orthographic cameras are left out.
 pub fn camera(
     file: &File<'_>,
     index: Index<gltf_json::Camera>,
@@ -71,7 +71,7 @@ pub fn camera(
         refuse!("the yfov of {called} is {fov}, it must lie between 0 and pi");
     }
     let mut made = Camera {
-        // The node's name is what users see in their modelling programs.
+        // Users see the node's name in their modelling programs.
         name: node.name.clone().or_else(|| camera.name.clone()).unwrap_or_else(|| format!("camera {index}")),
         position: Vec3::ZERO,
         target: Vec3::NEG_Z,

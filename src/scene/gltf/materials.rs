@@ -1,4 +1,4 @@
-//! Materials, of those that the scene uses.
+//! Materials in use by the scene.
 
 use super::nodes::PlacedMesh;
 use super::textures::{Reference, Textures};
@@ -10,32 +10,32 @@ use gltf_json::material::AlphaMode;
 use gltf_json::validation::Checked;
 use std::collections::HashMap;
 
-/// The materials that the scene uses, and the textures that they do.
+/// Materials in use, and their textures.
 #[derive(Default)]
 pub struct Materials {
     used: HashMap<Option<usize>, Used>,
     pub textures: Textures,
 }
 
-/// A material of the scene, and what its triangles must bring along.
+/// A material of the scene, and its requirements on vertices.
 #[derive(Clone, Copy)]
 pub struct Used {
     /// Index into [`Scene::materials`].
     pub index: u32,
-    /// The set of texture coordinates that its maps use; 0 where it has none.
+    /// Set of texture coordinates that its maps use; 0 without maps.
     pub uv_set: u32,
     pub has_maps: bool,
     pub has_normal_map: bool,
 }
 
 impl Materials {
-    /// The material of a primitive. All that [`read`] has seen are there.
+    /// Material of a primitive that [`read`] has seen.
     pub fn get(&self, index: Option<Index<gltf_json::Material>>) -> Used {
         self.used[&index.map(|index| index.value())]
     }
 }
 
-/// Reads every material of the meshes that are placed, in the order of their first use.
+/// Reads the materials of all placed meshes, in the order of their first use.
 pub fn read(file: &File<'_>, meshes: &[PlacedMesh], scene: &mut Scene, warnings: &mut Warnings) -> Result<Materials> {
     let mut materials = Materials::default();
     let mut seen = vec![false; file.root.meshes.len()];

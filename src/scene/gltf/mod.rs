@@ -1,8 +1,8 @@
 //! glTF 2.0 files (.glb, or .gltf with buffers and images beside it or embedded) as a [`Scene`].
 //!
-//! Only what the chosen scene uses is read: its nodes' meshes, their materials and those materials' images. A file is never
-//! trusted: every index, offset, count and size in it is checked before it is used, and what is wrong is said in one sentence
-//! that names the object. What is legal but cannot be shown becomes a warning.
+//! Only objects that the chosen scene uses are read: its nodes' meshes, their materials and images. A file is never trusted:
+//! every index, offset, count and size is checked before its use, and an error is one sentence that names the object. Legal
+//! content that cannot be shown becomes a warning.
 
 mod accessors;
 mod animations;
@@ -23,7 +23,7 @@ use buffers::Buffers;
 use gltf_json::{Index, Root};
 use std::path::Path;
 
-/// Leaves the function with a [`BadInput`](crate::error::Exit::BadInput) failure.
+/// Returns a [`BadInput`](crate::error::Exit::BadInput) failure from the function.
 macro_rules! refuse {
     ($($message:tt)+) => {
         return Err($crate::fail!(BadInput, $($message)+))
@@ -31,52 +31,52 @@ macro_rules! refuse {
 }
 use refuse;
 
-/// What of a file to load.
+/// Choice of scene and animation in a file.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Choice {
-    /// The file's default scene if absent.
+    /// The file's default scene if `None`.
     pub scene: Option<SceneChoice>,
     pub animation: AnimationChoice,
 }
 
-/// Which of a file's animations moves the scene.
+/// Choice of the animation that moves the scene.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub enum AnimationChoice {
-    /// The first, where there is one.
+    /// The first animation, if there is one.
     #[default]
     First,
-    /// Nothing moves: everything is where its node says.
+    /// No animation: every node keeps its own transform.
     None,
-    /// Counted from zero, in the file's order.
+    /// An index in the file's order, from zero.
     Index(usize),
-    /// The first of that name.
+    /// The first animation of this name.
     Name(String),
 }
 
-/// Which of a file's scenes to load.
+/// Choice of the scene to load.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SceneChoice {
-    /// Counted from zero, in the file's order.
+    /// An index in the file's order, from zero.
     Index(usize),
-    /// The first of that name.
+    /// The first scene of this name.
     Name(String),
 }
 
-/// A scene as it was read, and what of the file it leaves out.
+/// A loaded scene, and warnings about everything left out.
 #[derive(Debug)]
 pub struct Loaded {
     pub scene: Scene,
-    /// One sentence each, for the user; each is there only once.
+    /// One sentence each, for the user, without repetitions.
     pub warnings: Vec<String>,
 }
 
-/// Loads the file's default scene with its first animation, or what is chosen. Files that it refers to are looked for beside it.
+/// Loads the file's default scene with its first animation, or those in `choice`. Referenced files are searched beside it.
 ///
 /// The scene is at the animation's time 0.
 ///
 /// # Errors
-/// [`BadInput`](crate::error::Exit::BadInput), beginning with the path, where a file cannot be read or is not a sound glTF 2.0
-/// file, requires an unknown extension, or shows no triangle.
+/// [`BadInput`](crate::error::Exit::BadInput), beginning with the path, if a file cannot be read or is no valid glTF 2.0 file,
+/// requires an unknown extension, or shows no triangle.
 pub fn load(path: &Path, choice: Option<&Choice>) -> Result<Loaded> {
     let name = path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
     buffers::read_file(path, u64::MAX)
@@ -84,26 +84,26 @@ pub fn load(path: &Path, choice: Option<&Choice>) -> Result<Loaded> {
         .with_context(|| path.display().to_string())
 }
 
-/// Loads a scene from the bytes of a .glb or .gltf file. `base` is the folder of the files that it refers to; without one,
-/// such references are refused. `name` is what errors begin with and the scene is called.
+/// Loads a scene from the bytes of a .glb or .gltf file. `base` is the folder of referenced files; without one, such references
+/// are refused. `name` begins every error, and names the scene.
 ///
 /// # Errors
-/// As [`load`].
+/// See [`load`].
 pub fn load_slice(bytes: &[u8], base: Option<&Path>, name: &str, choice: Option<&Choice>) -> Result<Loaded> {
     read(bytes, base, name, choice).with_context(|| name.to_string())
 }
 
-/// What every part of the loader looks things up in.
+/// The opened file, for lookups by all parts of the loader.
 struct File<'a> {
     root: Root,
     buffers: Buffers<'a>,
     base: Option<&'a Path>,
-    /// Vertex attributes may be integers (KHR_mesh_quantization).
+    /// Whether vertex attributes may be integers (KHR_mesh_quantization).
     quantized: bool,
 }
 
 impl File<'_> {
-    /// The object at an index that the file gives.
+    /// The object at an index, checked.
     fn get<T>(&self, index: Index<T>, kind: &str) -> Result<&T>
     where
         Root: AsRef<[T]>,
@@ -116,7 +116,7 @@ impl File<'_> {
     }
 }
 
-/// What the file has that cannot be shown: of each kind the first object's sentence, and how many there were.
+/// Warnings by kind: the first object's sentence, and the number of objects.
 #[derive(Default)]
 struct Warnings(Vec<(Warning, String, usize)>);
 
@@ -151,7 +151,7 @@ impl Warnings {
     }
 }
 
-/// How an object is called in messages: its kind, index and, where it has one, name.
+/// An object's label in messages: kind, index and, if it has one, name.
 fn label(kind: &str, index: usize, name: Option<&String>) -> String {
     name.map_or_else(|| format!("{kind} {index}"), |name| format!("{kind} {index} ({name:?})"))
 }

@@ -1,4 +1,4 @@
-//! The node hierarchy: which meshes, lights and cameras stand where.
+//! The node hierarchy: world transforms of meshes, lights and cameras.
 
 use super::animations::{Moved, Played};
 use super::{File, SceneChoice, Warning, Warnings, label, lights, refuse};
@@ -9,31 +9,31 @@ use glam::{Affine3A, DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf_json::extensions::scene::khr_lights_punctual::Light as PunctualLight;
 use gltf_json::{Index, Mesh, Node};
 
-/// What a scene's nodes place in the world.
+/// Meshes, lights and cameras placed in the world by nodes.
 pub struct Placed {
     pub meshes: Vec<PlacedMesh>,
     pub lights: Vec<Light>,
     pub cameras: Vec<Camera>,
-    /// What moves, but for the meshes' draws.
+    /// The animation, still without the meshes' draws.
     pub animation: Option<Animation>,
 }
 
 /// A mesh at a node.
 pub struct PlacedMesh {
     pub mesh: Index<Mesh>,
-    /// For messages.
+    /// Index of the node, for messages.
     pub node: usize,
     pub transform: Affine3A,
-    /// The transform turns left hands into right ones, and with them the order of a triangle's corners.
+    /// Whether the transform flips handedness, and with it the order of a triangle's corners.
     pub mirrored: bool,
-    /// The moving node that it hangs on.
+    /// The moving node that the mesh is attached to.
     pub moves: Option<usize>,
 }
 
-/// A node on the way down: its number, and what it stands on.
+/// A node to visit: its index, and its parent.
 type Step = (Index<Node>, Parent);
 
-/// Visits the nodes of the chosen scene, parents first. What the animation moves is where it is at time 0.
+/// Visits the nodes of the chosen scene, parents first. Animated nodes are placed at time 0.
 pub fn walk(file: &File<'_>, choice: Option<&SceneChoice>, played: Option<Played>, warnings: &mut Warnings) -> Result<Placed> {
     let mut placed = Placed { meshes: Vec::new(), lights: Vec::new(), cameras: Vec::new(), animation: None };
     let (label_of_animation, moved) = played.as_ref().map(|played| (played.label.clone(), played.nodes.clone())).unwrap_or_default();
@@ -48,7 +48,7 @@ pub fn walk(file: &File<'_>, choice: Option<&SceneChoice>, played: Option<Played
     });
     let mut seen = vec![false; file.root.nodes.len()];
     let mut stack: Vec<Step> = roots(file, choice)?.into_iter().rev().map(|node| (node, Parent::Still(DAffine3::IDENTITY))).collect();
-    // Where each moving node is at time 0.
+    // World transform of each moving node at time 0.
     let mut worlds: Vec<DAffine3> = Vec::new();
     while let Some((index, parent)) = stack.pop() {
         let node = file.get(index, "node")?;
@@ -58,7 +58,7 @@ pub fn walk(file: &File<'_>, choice: Option<&SceneChoice>, played: Option<Played
         }
         let moved = moved.get(&index.value());
         if node.scale == Some([0.0; 3]) && moved.is_none_or(|moved| moved.scale.is_none()) {
-            // glTF's way to hide a node.
+            // A scale of zero is glTF's way to hide a node.
             warnings.add(Warning::HiddenNode, format!("{} has a scale of zero: it and all below it are left out", context()));
             continue;
         }
@@ -88,7 +88,7 @@ pub fn walk(file: &File<'_>, choice: Option<&SceneChoice>, played: Option<Played
     Ok(placed)
 }
 
-/// The chosen scene's roots: the default scene's, else the first one's; in a file without scenes, all nodes without a parent.
+/// Roots of the chosen scene, the default scene or the first scene; in a file without scenes, all nodes without a parent.
 fn roots(file: &File<'_>, choice: Option<&SceneChoice>) -> Result<Vec<Index<Node>>> {
     let scenes = &file.root.scenes;
     let chosen = match choice {
@@ -120,7 +120,7 @@ fn roots(file: &File<'_>, choice: Option<&SceneChoice>) -> Result<Vec<Index<Node
     Ok((0..nodes.len()).filter(|&i| !has_parent[i]).map(|i| Index::new(i as u32)).collect())
 }
 
-/// A node's transform relative to its parent. In double precision, so that deep hierarchies do not drift.
+/// A node's transform relative to its parent, in double precision so that deep hierarchies do not drift.
 fn local(node: &Node) -> Result<DAffine3> {
     let affine = if let Some(matrix) = node.matrix {
         let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
@@ -152,14 +152,14 @@ fn properties(node: &Node) -> Result<(DVec3, DQuat, DVec3)> {
     Ok((translation, rotation.normalize(), scale))
 }
 
-/// The transform of a node that has tracks.
+/// The transform of a node with tracks.
 fn moving(node: &Node, moved: &Moved) -> Result<Local> {
     let (translation, rotation, scale) = properties(node)?;
     let Moved { translation: translation_track, rotation: rotation_track, scale: scale_track } = *moved;
     Ok(Local::Moving { translation, rotation, scale, translation_track, rotation_track, scale_track })
 }
 
-/// Places what is at a node that does not move.
+/// Places the mesh, light and camera of a node that does not move.
 fn place(file: &File<'_>, index: Index<Node>, node: &Node, world: DAffine3, placed: &mut Placed, warnings: &mut Warnings) -> Result<()> {
     let carries = node.mesh.is_some() || node.camera.is_some() || light_of(node).is_some();
     if carries && (is_singular(world.matrix3) || !world.translation.as_vec3().is_finite()) {
@@ -168,7 +168,8 @@ fn place(file: &File<'_>, index: Index<Node>, node: &Node, world: DAffine3, plac
     carry(file, index, node, world, None, placed, warnings)
 }
 
-/// Places what is at a moving node, its number and its place at time 0, and notes that it moves. It may shrink to nothing at times.
+/// Places the mesh, light and camera of a moving node, given its index and its transform at time 0, and attaches them to the
+/// animation. A moving node may shrink to nothing at times.
 fn hang(
     file: &File<'_>,
     index: Index<Node>,
@@ -215,10 +216,11 @@ fn carry(
     Ok(())
 }
 
-/// Finds out which moving meshes are mirrored: at time 0 a node may have no size, and so no orientation.
+/// Determines which moving meshes are mirrored. Time 0 alone is not enough: a node may have no size then, and so no
+/// orientation.
 fn orient(placed: &mut Placed, label_of_animation: &str, warnings: &mut Warnings) {
     let Some(animation) = &placed.animation else { return };
-    // Of each moving node, whether it is mirrored and whether it is not, at some time.
+    // Whether each moving node is unmirrored, and whether it is mirrored, at any sampled time.
     let mut seen = vec![[false; 2]; animation.nodes.len()];
     let mut first = vec![None; animation.nodes.len()];
     for seconds in animation.samples() {
@@ -240,7 +242,7 @@ fn orient(placed: &mut Placed, label_of_animation: &str, warnings: &mut Warnings
     }
 }
 
-/// Whether a matrix flattens space, or scales it beyond what single precision can hold.
+/// Whether a matrix flattens space, or scales beyond the range of single precision.
 fn is_singular(matrix: DMat3) -> bool {
     let lengths = DVec3::new(matrix.x_axis.length(), matrix.y_axis.length(), matrix.z_axis.length());
     let volume = matrix.determinant().abs() / lengths.element_product();

@@ -1,4 +1,4 @@
-//! Textures: what materials refer to, as images to decode and ways to look them up.
+//! Textures: materials' references to them as images to decode and [`Map`]s.
 
 use super::{File, label, refuse};
 use crate::scene::{Filter, Map, Wrap};
@@ -11,24 +11,24 @@ use gltf_json::validation::Checked;
 use gltf_json::{Image, Index};
 use std::collections::HashMap;
 
-/// The images that are to become the scene's textures, in their order.
+/// Images that become the scene's textures, in order.
 #[derive(Default)]
 pub struct Textures {
     pub images: Vec<ImageUse>,
-    /// Where in `images` an image is, by its index and whether it is colour.
+    /// Index in `images` by the image's index and whether it is colour.
     known: HashMap<(usize, bool), u32>,
 }
 
-/// An image that is used as colour or as data; one that is used as both makes two textures.
+/// An image used as colour or as data; one used as both becomes two textures.
 #[derive(Clone, Copy)]
 pub struct ImageUse {
     pub image: Index<Image>,
     pub srgb: bool,
 }
 
-/// What a material's references to textures have in common.
+/// A material's reference to a texture, of any kind.
 pub struct Reference {
-    /// What the material calls it.
+    /// The material's key of the reference.
     pub key: &'static str,
     index: Index<gltf_json::Texture>,
     tex_coord: u32,
@@ -42,7 +42,7 @@ impl Reference {
         Self { key, index: info.index, tex_coord: info.tex_coord, transform, srgb }
     }
 
-    /// The normal map's, whose extensions come as they stand in the file.
+    /// The reference of a normal map, whose extensions the JSON crate leaves unparsed.
     pub fn normal(normal: &NormalTexture) -> Result<Self> {
         let raw = normal.extensions.as_ref().and_then(|extensions| extensions.others.get("KHR_texture_transform"));
         let Ok(transform) = raw.map(|raw| serde_json::from_value(raw.clone())).transpose() else {
@@ -51,14 +51,14 @@ impl Reference {
         Ok(Self { key: "normalTexture", index: normal.index, tex_coord: normal.tex_coord, transform, srgb: false })
     }
 
-    /// The set of texture coordinates that it names.
+    /// Set of texture coordinates of the reference.
     pub fn uv_set(&self) -> u32 {
         self.transform.as_ref().and_then(|transform| transform.tex_coord).unwrap_or(self.tex_coord)
     }
 }
 
 impl Textures {
-    /// A texture reference as a map.
+    /// The map of a texture reference.
     pub fn map(&mut self, file: &File<'_>, reference: &Reference) -> Result<Map> {
         let texture = file.get(reference.index, "texture")?;
         if texture.source.value() == u32::MAX as usize {
@@ -78,7 +78,7 @@ impl Textures {
         let Some(transform) = &reference.transform else {
             return Ok(map);
         };
-        // The extension's rotation is counter-clockwise as one sees it, with v downwards: the matrix of a clockwise one.
+        // The extension's rotation looks counter-clockwise with v downwards: in (u, v), the matrix of a clockwise rotation.
         let (sin, cos) = transform.rotation.0.sin_cos();
         let matrix = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos)) * Mat2::from_diagonal(transform.scale.0.into());
         let offset = Vec2::from(transform.offset.0);
@@ -98,7 +98,7 @@ fn wrap(mode: Checked<WrappingMode>) -> Result<Wrap> {
     })
 }
 
-/// The magnification filter, or where the sampler leaves it open, what goes with its minification filter.
+/// The magnification filter. If the sampler leaves it open, it follows the minification filter.
 fn filter(sampler: &Sampler) -> Filter {
     match (sampler.mag_filter, sampler.min_filter) {
         (Some(Checked::Valid(MagFilter::Nearest)), _) => Filter::Nearest,

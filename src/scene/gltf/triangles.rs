@@ -1,11 +1,11 @@
-//! Lists, strips and fans as triangles, and flat normals for them.
+//! Triangles of lists, strips and fans, and their flat normals.
 
 use crate::scene::{Vertex, pack};
 use glam::Vec3;
 use gltf_json::mesh::Mode;
 
-/// The corners of `count` vertices' triangles, each a vertex index. Triangles without area by their indices alone, as strips
-/// have where they are joined, are left out.
+/// Vertex indices of the triangles of `count` vertices. Triangles with repeated indices are left out: strips use them as
+/// joints.
 pub fn triangulate(count: usize, mode: Mode, index: impl Fn(usize) -> u32) -> Vec<u32> {
     let triangles = if mode == Mode::Triangles { count / 3 } else { count.saturating_sub(2) };
     let mut indices = Vec::with_capacity(3 * triangles);
@@ -23,7 +23,7 @@ pub fn triangulate(count: usize, mode: Mode, index: impl Fn(usize) -> u32) -> Ve
     indices
 }
 
-/// Gives every corner a vertex of its own with its triangle's normal. Triangles without area have none, and are left out.
+/// Gives every corner its own vertex with the triangle's normal. Triangles without area have no normal, and are left out.
 pub fn make_flat(vertices: &mut Vec<Vertex>, indices: &mut Vec<u32>) {
     let mut flat = Vec::with_capacity(indices.len());
     for corners in indices.as_chunks::<3>().0 {

@@ -1,7 +1,7 @@
-//! A config from hostile text: it never panics, its errors are one line each, and what it accepts can be saved, loaded again to
-//! the same value, and seen: every light and camera is finite.
+//! Configs from hostile text: loading never panics, and every error is one line. An accepted config can be saved, loaded to the
+//! same value, and viewed: every light and camera is finite.
 //!
-//! Lines after one that says `#--set` are `--set` options.
+//! Lines after a line `#--set` are `--set` options.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

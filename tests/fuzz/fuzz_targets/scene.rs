@@ -1,4 +1,4 @@
-//! Loading a scene from arbitrary bytes: no panic, no hang, no large allocation; and what is accepted must hold together.
+//! Loading a scene from arbitrary bytes: no panic, no hang, no large allocation. An accepted scene must be consistent.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -6,7 +6,7 @@ use manylight::scene::gltf::{self, Loaded};
 
 fuzz_target!(|data: &[u8]| {
     check(gltf::load_slice(data, None, "fuzz", None));
-    // JSON, a zero byte and a buffer: a .glb that need not keep its own lengths right.
+    // JSON, a zero byte and a buffer: a .glb with correct lengths.
     if let Some(end) = data.iter().position(|&byte| byte == 0) {
         check(gltf::load_slice(&glb(&data[..end], &data[end + 1..]), None, "fuzz", None));
     }
@@ -21,7 +21,7 @@ fn check(loaded: anyhow::Result<Loaded>) {
             assert!(draw.index_count > 0 && draw.index_count.is_multiple_of(3));
             assert!((draw.material as usize) < scene.materials.len());
             assert!(draw.transform.is_finite());
-            // Only while the file is loaded is everything known to be near: between its samples a strange track may run away.
+            // Bounds are only checked for the file's own state: between samples an odd track may run away.
             let bounds = scene.draw_bounds(draw);
             assert!(seconds > 0.0 || bounds.min.is_finite() && bounds.max.is_finite());
         }

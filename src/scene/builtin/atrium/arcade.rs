@@ -42,7 +42,7 @@ fn side_wall(side: &Side, storey: usize, plan: &Plan) -> Mesh {
                 point(x + radius * cos, arch + (top - arch) * v)
             });
             for hand in [-1.0, 1.0] {
-                // Behind, the walls of two sides meet beyond the corner.
+                // On the back face, the walls of two sides meet beyond the corner.
                 let outermost = bay == if hand < 0.0 { 0 } else { side.bays - 1 };
                 let end = PITCH / 2.0 + if outermost && face < 0.0 { WALL } else { 0.0 };
                 mesh.patch(1, if plan.detail.shows(0.4) { rows * 3 } else { 1 }, |u, v| {
@@ -59,7 +59,7 @@ fn side_wall(side: &Side, storey: usize, plan: &Plan) -> Mesh {
     mesh
 }
 
-/// The moulded ring on the court's side of an arch, in a bay's frame, with its keystone; a plain one on the gallery's side.
+/// The moulded ring of an arch with its keystone on the court's side, and a plain ring on the gallery's side, in a bay's frame.
 fn archivolt(storey: usize, plan: &Plan) -> Mesh {
     let r = RADIUS[storey];
     let profile = Profile::from(r - 0.015, -0.05)
@@ -85,7 +85,7 @@ fn archivolt(storey: usize, plan: &Plan) -> Mesh {
     mesh
 }
 
-/// A wedge over the crown, in a frame on the springing line.
+/// A keystone: a wedge over the crown, in a frame on the springing line.
 fn keystone(r: f32) -> Mesh {
     let mut mesh = Mesh::default();
     let (foot, head, out) = ((0.095, r - 0.05), (0.15, r + 0.27), [0.13, 0.17]);

@@ -25,7 +25,7 @@ pub fn parts(plan: &Plan) -> Vec<Part> {
 
 /// The rails and balusters of one bay, between its pedestals.
 fn bay(plan: &Plan) -> Mesh {
-    // A little into the pedestals, whose plain middles stand back; in the corners the piers are wider.
+    // The ends reach a little into the pedestals, whose plain middles stand back; in the corners the piers are wider.
     let end = PITCH / 2.0 - PEDESTAL + 0.04;
     let mut mesh = Mesh::default();
     let mut rail = |half: f32, from: f32, to: f32, faces: &str| {

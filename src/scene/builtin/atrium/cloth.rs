@@ -6,7 +6,7 @@ use crate::scene::builtin::noise::{Random, step};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// The curtains' rods run between the columns at this height.
+/// Height of the curtains' rods between the columns.
 const ROD: f32 = 2.56;
 
 pub fn parts(plan: &Plan) -> Vec<Part> {

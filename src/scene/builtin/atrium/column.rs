@@ -7,12 +7,12 @@ use crate::scene::builtin::profile::Profile;
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// Limestone's texture covers this many metres.
+/// Side of the limestone texture, m.
 const TILE: f32 = 1.5;
 
 /// The measures of one storey's order.
 struct Order {
-    /// Where the column stands and where the arches spring.
+    /// Heights of the column's foot and of the arches' springing line.
     foot: f32,
     top: f32,
     /// Radius of the shaft over the base and under the capital.
@@ -76,7 +76,7 @@ fn column(order: &Order, plan: &Plan) -> Mesh {
 fn capital(mesh: &mut Mesh, order: &Order, sides: usize, neck: f32, plan: &Plan) {
     let top = order.radius[1];
     let widest = order.abacus[0] * 1.02;
-    // Leaves that fewer sides than these cannot follow would only make noise.
+    // Leaves would only be noise on fewer sides.
     let relief = ((sides as f32 - 14.0) / 14.0).clamp(0.0, 1.0) * order.radius[0] / 0.25;
     let leaf = |angle: f32, height: f32, from: f32, to: f32| {
         let t = (height - from) / (to - from);
@@ -109,7 +109,7 @@ fn piers(plan: &Plan) -> (Mesh, Mesh) {
     for (order, foot) in ORDERS.iter().zip([PLINTH, UPPER]) {
         let half = order.abacus[0] - 0.05;
         let cap = order.top - 0.24;
-        // The shaft goes on behind its mouldings.
+        // The shaft continues behind its mouldings.
         let head = cap + 0.1;
         shafts.cuboid(Vec3::new(-half, foot, -half), Vec3::new(half, head, half), "-x+x-z+z", 3.0);
         let mut band = |out: f32, from: f32, to: f32| {

@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 pub fn parts(plan: &Plan) -> Vec<Part> {
     let palette = &plan.palette;
     let (mut field, mut border) = (Mesh::default(), Mesh::default());
-    // Up to under the step; a band of another stone goes around the field.
+    // The paving reaches under the step; a band of another stone goes around the field.
     let outer = Vec2::from(HALF) - 0.5;
     let inner = outer - 0.75;
     let slab = |mesh: &mut Mesh, min: Vec2, max: Vec2| {

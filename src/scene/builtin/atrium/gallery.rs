@@ -10,7 +10,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 /// Half the clear depth of a gallery, and the rise of its vaults.
 const SPAN: f32 = (DEPTH - WALL) / 2.0;
 const RISE: f32 = 1.22;
-/// How far the vaults' ribs stand out.
+/// Projection of the vaults' ribs.
 const RIB: f32 = 0.10;
 /// Height of the dado on the lower walls.
 const DADO: f32 = 1.25;

@@ -17,14 +17,14 @@ pub fn parts(plan: &Plan) -> Vec<Part> {
     }
     let sides = plan.detail.count(12.0, 3);
     let (mut brass, mut glass) = (Mesh::default(), Mesh::default());
-    // From the drip under the glass up to the ceiling.
+    // Profiles from the drip under the glass up to the ceiling.
     let foot = Profile::from(0.0, -0.30).curve((0.03, -0.29), (0.02, -0.26), 3.0).line(0.08, -0.25).line(0.10, -0.22).line(0.09, -0.20);
     let cap = Profile::from(0.16, 0.12).line(0.16, 0.14).curve((0.06, 0.18), (0.03, 0.26), 4.0).line(0.012, 0.27).line(0.01, 0.95);
     if plan.detail.shows(0.05) {
         brass.lathe(&foot, sides, plan.detail, 0.5);
     }
     brass.lathe(&cap, sides, plan.detail, 0.5);
-    // Closes the cap from below.
+    // A disc that closes the cap from below.
     let under = Profile::from(0.05, 0.12).line(0.16, 0.12);
     brass.lathe(&under, sides, plan.detail, 0.5);
     for i in 0..if plan.detail.shows(0.45) { 6 } else { 0 } {

@@ -1,4 +1,4 @@
-//! The court's materials: albedos between 0.2 and 0.75 where it is stone, plaster or cloth.
+//! The court's materials. Albedos of stone, plaster and cloth are between 0.2 and 0.75.
 
 use super::super::texels::Fields;
 use super::textures;

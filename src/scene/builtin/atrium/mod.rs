@@ -1,8 +1,8 @@
 //! A two-storey colonnaded court: round columns and arches, vaulted galleries below and timbered ones above, drapes, orange
 //! trees and a fountain, under an open sky.
 //!
-//! Every part is a function from a level of detail to meshes; [`atrium`] looks for the level at which the triangles drawn
-//! add up to the number asked for. Measures that several parts share are constants here.
+//! Every part is a function from a level of detail to meshes. [`atrium`] searches the level whose drawn triangles add up to the
+//! number asked for. Measures shared by several parts are constants here.
 
 mod arcade;
 mod balustrade;
@@ -31,35 +31,35 @@ use std::ops::RangeInclusive;
 const PITCH: f32 = 3.0;
 /// Bays of the long and of the short side.
 const BAYS: [usize; 2] = [8, 3];
-/// The columns' axes stand on the rectangle of these half-lengths (x, z) around the court.
+/// Half-lengths (x, z) of the rectangle of the columns' axes around the court.
 const HALF: [f32; 2] = [PITCH * BAYS[0] as f32 / 2.0, PITCH * BAYS[1] as f32 / 2.0];
 /// Half the thickness of the arcades' walls.
 const WALL: f32 = 0.25;
-/// From the columns' axes to the inner face of the outer wall.
+/// Distance from the columns' axes to the inner face of the outer wall.
 const DEPTH: f32 = 3.4;
 /// Thickness of the outer wall.
 const OUTER_WALL: f32 = 0.5;
 /// Height of the lower gallery's floor above the court's.
 const PLINTH: f32 = 0.16;
-/// Springing lines of the arches: the columns' full height.
+/// Heights of the arches' springing lines, the tops of the columns.
 const SPRING: [f32; 2] = [3.25, 7.85];
 /// Radii of the arches.
 const RADIUS: [f32; 2] = [1.15, 1.24];
-/// Floor of the upper gallery.
+/// Height of the upper gallery's floor.
 const UPPER: f32 = 5.15;
-/// Where the upper columns stand: the pedestals' top, level with the handrail.
+/// Height of the upper columns' feet: the pedestals' top, level with the handrail.
 const RAIL: f32 = UPPER + 0.95;
-/// Where the arcades' walls end: under the string course and behind the cornice.
+/// Heights of the arcade walls' tops: under the string course and behind the cornice.
 const WALL_TOP: [f32; 2] = [4.8, 9.6];
-/// The timber ceiling of the upper gallery.
+/// Height of the upper gallery's timber ceiling.
 const CEILING: f32 = 9.3;
-/// Top of the cornice: the eaves.
+/// Height of the eaves, the top of the cornice.
 const EAVES: f32 = 9.86;
 
-/// The knobs of the built-in court.
+/// Parameters of the built-in court.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Atrium {
-    /// Triangles to be drawn, instances counted; met within 5 %, and kept in [`Atrium::TRIANGLES`].
+    /// Drawn triangles, instances counted; met within 5 %, and clamped to [`Atrium::TRIANGLES`].
     pub triangles: u32,
     /// Seed of everything irregular: stones, folds, leaves.
     pub seed: u32,
@@ -75,7 +75,7 @@ impl Default for Atrium {
     }
 }
 
-/// A mesh with one material, wherever it stands.
+/// A mesh with one material and its instances.
 struct Part {
     mesh: Mesh,
     material: u32,
@@ -91,7 +91,7 @@ impl Part {
         Self { mesh, material, transforms }
     }
 
-    /// Copies of a small mesh in one draw: cheaper than the draws it saves.
+    /// Copies of a small mesh in one draw, cheaper than a draw per copy.
     fn merged(mesh: &Mesh, material: u32, places: &[Affine3A]) -> Self {
         let mut all = Mesh::default();
         places.iter().for_each(|&place| all.append(mesh, place));
@@ -103,7 +103,7 @@ impl Part {
     }
 }
 
-/// What a part is built from.
+/// Parameters that parts are built from.
 struct Plan {
     detail: Detail,
     seed: u32,
@@ -111,14 +111,14 @@ struct Plan {
 }
 
 impl Plan {
-    /// The size of the cells that flat things are divided into.
+    /// Size of the cells that flat surfaces are divided into.
     fn cell(&self) -> f32 {
         (0.75 / self.detail.0).clamp(0.05, 6.0)
     }
 }
 
-/// One side of the court in a frame of its own: x along the arcade, z into the court, the origin on the ground under the
-/// middle of the columns' axis.
+/// One side of the court in its own frame: x along the arcade, z into the court, the origin on the ground under the middle of
+/// the columns' axis.
 struct Side {
     frame: Affine3A,
     bays: usize,
@@ -150,23 +150,23 @@ impl Side {
         (0..self.bays).map(|bay| self.bay(bay))
     }
 
-    /// The places of the columns between the corner piers.
+    /// Frames of the columns between the corner piers.
     fn columns(&self) -> impl Iterator<Item = Affine3A> + '_ {
         (1..self.bays).map(|i| self.frame * Affine3A::from_translation(Vec3::X * (i as f32 * PITCH - self.half())))
     }
 }
 
-/// Every bay of all four sides.
+/// Frames of every bay of all four sides.
 fn all_bays() -> Vec<Affine3A> {
     Side::all().iter().flat_map(|side| side.bays().collect::<Vec<_>>()).collect()
 }
 
-/// Every round column's place, on the court's floor.
+/// Frames of every round column, on the court's floor.
 fn all_columns() -> Vec<Affine3A> {
     Side::all().iter().flat_map(|side| side.columns().collect::<Vec<_>>()).collect()
 }
 
-/// The corner piers' places; in each frame x and z point to the court.
+/// Frames of the corner piers; x and z point to the court.
 fn corners() -> [Affine3A; 4] {
     std::array::from_fn(|i| {
         let turn = Quat::from_rotation_y(-FRAC_PI_2 * i as f32);
@@ -190,7 +190,7 @@ fn parts(plan: &Plan) -> Vec<Part> {
     makers.par_iter().flat_map(|make| make(plan)).collect()
 }
 
-/// The court with its sun and its camera. A number of triangles outside [`Atrium::TRIANGLES`] is taken to its nearer end.
+/// The court with its sun and its camera. The number of triangles is clamped to [`Atrium::TRIANGLES`].
 pub fn atrium(knobs: &Atrium) -> Scene {
     let mut scene = Scene { name: "atrium".into(), ..Scene::default() };
     let palette = materials::add(&mut scene, knobs.seed);
@@ -208,13 +208,13 @@ pub fn atrium(knobs: &Atrium) -> Scene {
     scene
 }
 
-/// The parts at the level of detail whose triangles come nearest to the number asked for.
+/// The parts at the level of detail whose triangle count is nearest to the number asked for.
 fn parts_of_size(knobs: &Atrium, palette: Palette) -> Vec<Part> {
     let target = knobs.triangles.clamp(*Atrium::TRIANGLES.start(), *Atrium::TRIANGLES.end()) as f32;
     let build = |log: f32| parts(&Plan { detail: Detail(log.exp()), seed: knobs.seed, palette });
 
-    // The count grows nearly as the square of the detail where it is large, and in steps where it is small: a few steps of
-    // Newton's kind, then halves of what is left.
+    // The count grows nearly as the square of the detail at high levels, and in steps at low levels: a few Newton steps, then
+    // bisection.
     let mut log = 0.5 * (target / 420_000.0).ln();
     let (mut low, mut high) = (-4.0f32, 3.0f32);
     let mut best: Option<(f32, Vec<Part>)> = None;

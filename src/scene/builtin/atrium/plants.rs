@@ -64,7 +64,7 @@ fn urn(plan: &Plan) -> (Mesh, Mesh) {
     turned(&profile, 0.235, 0.575, plan)
 }
 
-/// A vessel with the earth in it.
+/// A vessel of revolution, and the earth in it.
 fn turned(profile: &Profile, radius: f32, height: f32, plan: &Plan) -> (Mesh, Mesh) {
     let sides = plan.detail.count(28.0, 5);
     let (mut vessel, mut earth) = (Mesh::default(), Mesh::default());
@@ -74,7 +74,7 @@ fn turned(profile: &Profile, radius: f32, height: f32, plan: &Plan) -> (Mesh, Me
     (vessel, earth)
 }
 
-/// Trunk, sprigs of leaves all over a ball, and oranges among them.
+/// An orange tree: trunk, sprigs of leaves all over a ball, and oranges among them.
 fn orange_tree(plan: &Plan) -> (Mesh, Mesh, Mesh) {
     let mut random = Random::new(plan.seed ^ 0x0a12);
     let (mut trunk, mut crown, mut fruit) = (Mesh::default(), Mesh::default(), Mesh::default());
@@ -83,7 +83,7 @@ fn orange_tree(plan: &Plan) -> (Mesh, Mesh, Mesh) {
     let center = Vec3::new(0.0, 1.78, 0.0);
     let sprigs = ((520.0 * plan.detail.0.powf(0.8)) as usize).max(24);
     let cells = plan.detail.count(1.6, 1);
-    // Fewer sprigs are larger, so that the crown stays closed.
+    // Sprigs are larger if they are fewer, so that the crown stays closed.
     let size = 0.25 * (520.0 / sprigs as f32).sqrt().clamp(0.75, 2.6);
     for i in 0..sprigs {
         let out = direction(i, sprigs, &mut random);
@@ -114,7 +114,7 @@ fn orange_tree(plan: &Plan) -> (Mesh, Mesh, Mesh) {
     (trunk, crown, fruit)
 }
 
-/// The i-th of n directions, evenly spread and a little shaken.
+/// The i-th of n directions, evenly spread and jittered a little.
 fn direction(i: usize, n: usize, random: &mut Random) -> Vec3 {
     let z = 1.0 - 2.0 * (i as f32 + 0.5) / n as f32;
     let (sin, cos) = (i as f32 * 2.399_963 + random.range(-0.2, 0.2)).sin_cos();

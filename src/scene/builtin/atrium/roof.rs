@@ -6,12 +6,12 @@ use crate::scene::builtin::noise::unit;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// From the eaves, this far inside the columns' axes, to the wall behind, this far outside them.
+/// The roof's extent: from the eaves, `INNER` inside the columns' axes, to the wall behind, `OUTER` outside them.
 const INNER: f32 = WALL + 0.46;
 const OUTER: f32 = super::DEPTH;
 /// Rise over run.
 const SLOPE: f32 = 0.36;
-/// Distance of the tiles' ridges, and the length of a tile that shows.
+/// Distance of the tiles' ridges, and the visible length of a tile.
 const PITCH: f32 = 0.27;
 const COURSE: f32 = 0.46;
 
@@ -23,7 +23,7 @@ pub fn parts(plan: &Plan) -> Vec<Part> {
         let normal = Vec3::new(0.0, 1.0, SLOPE).normalize();
         let half = side.half();
         lane.patch((half / plan.cell()).ceil() as usize, 4, |u, v| {
-            // A hand's breadth behind the tiles' lower ends, so that they overhang.
+            // The deck begins a hand's breadth behind the tiles' lower ends, so that they overhang.
             let out = -(INNER - 0.12) + (OUTER + INNER - 0.12) * v;
             let x = (2.0 * u - 1.0) * (half + out);
             (Vec3::new(x, height(out), -out), normal, Vec2::new(x, out) / 1.5)
@@ -56,7 +56,7 @@ fn covering(side: &Side, plan: &Plan) -> Mesh {
     let length = (OUTER + INNER) / courses;
     let top = side.half() + OUTER;
     let columns = (2.0 * top / PITCH) as u32;
-    // Too coarse for tiles: the covers alone, as ridges.
+    // Below the level of single tiles, the covers alone are drawn, as ridges.
     let along = if plan.detail.shows(0.36) { courses as usize } else { 1 };
     let salt = plan.seed ^ u32::from(side.frame.translation.x > 0.0) << 7 ^ u32::from(side.frame.translation.z > 0.0) << 8;
     let merge = if plan.detail.shows(0.36) {
@@ -69,7 +69,7 @@ fn covering(side: &Side, plan: &Plan) -> Mesh {
     for column in (0..columns).step_by(merge) {
         let width = PITCH * merge as f32;
         let x = -top + (column as f32 + 0.5) * PITCH + 0.5 * (width - PITCH);
-        // The first course that lies inside the mitre.
+        // The first course inside the mitre.
         let start = (x.abs() + 0.5 * width - (side.half() - INNER)).max(0.0);
         let first = (start / length).floor() as usize;
         if start >= OUTER + INNER {

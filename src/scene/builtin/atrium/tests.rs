@@ -1,7 +1,7 @@
 use super::*;
 use crate::scene::{Draw, Map, pack};
 
-/// A triangle of a draw in the world: corners and the vertices' normals.
+/// Triangles of a draw in the world: corners, and normals of the vertices.
 fn triangles<'a>(scene: &'a Scene, draw: &'a Draw) -> impl Iterator<Item = ([Vec3; 3], [Vec3; 3])> + 'a {
     let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
     let normals = draw.transform.matrix3.inverse().transpose();
@@ -14,7 +14,7 @@ fn triangles<'a>(scene: &'a Scene, draw: &'a Draw) -> impl Iterator<Item = ([Vec
     })
 }
 
-/// The nearest triangle that a ray meets: distance, material, and whether on its front.
+/// The nearest triangle hit by a ray: distance, material, and whether its front was hit.
 fn hit(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<(f32, usize, bool)> {
     let mut nearest: Option<(f32, usize, bool)> = None;
     for draw in &scene.draws {
@@ -119,7 +119,7 @@ fn the_camera_sees_fronts_only_and_the_walls_keep_the_sky_out() {
         let (sin, cos) = (i as f32 * 2.399_963).sin_cos();
         Vec3::new((1.0 - z * z).sqrt() * cos, z, (1.0 - z * z).sqrt() * sin)
     };
-    // In the court; in the lower and the upper gallery of a long side, of a short side, and in a corner.
+    // Eyes in the court; in the lower and the upper gallery of a long side, of a short side, and in a corner.
     let eyes = [
         scene.cameras[0].position,
         Vec3::new(0.7, 1.7, 6.4),
@@ -136,7 +136,7 @@ fn the_camera_sees_fronts_only_and_the_walls_keep_the_sky_out() {
                     assert!(front || material.double_sided, "from {eye} towards {direction}: the back of {} at {t} m", material.name);
                 }
                 None => {
-                    // Only the open roof lets a ray out: it passes the eaves' height over the court.
+                    // A ray escapes only through the open roof: it crosses the eaves' height over the court.
                     let over = eye + direction * ((EAVES - eye.y) / direction.y);
                     let open = direction.y > 0.0 && over.x.abs() < HALF[0] && over.z.abs() < HALF[1];
                     assert!(open, "from {eye} towards {direction}: out through a gap");
@@ -151,7 +151,7 @@ fn the_sun_reaches_part_of_the_floor_and_one_wall() {
     let scene = atrium(&Atrium { triangles: 30_000, seed: 1 });
     let Light::Directional { direction, irradiance } = scene.lights[0] else { panic!("the first light is the sun") };
     assert!(irradiance.min_element() > 10.0);
-    // Rays of the sun over a plane at the eaves' height: what they meet first.
+    // The first hits of sun rays that start on a plane at the eaves' height.
     let (mut floor, mut side, mut other, mut all) = (0, 0, 0, 0);
     for i in 0..40 {
         for j in 0..24 {

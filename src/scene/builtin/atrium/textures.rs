@@ -8,7 +8,7 @@ use std::f32::consts::FRAC_PI_4;
 
 const COUNT: usize = 17;
 
-/// All textures, in the order that the materials name them in.
+/// All textures, in the order of the materials' names for them.
 pub fn all(fields: &Fields, seed: u32) -> [Texture; COUNT] {
     let makers: [fn(&Fields, u32) -> Texture; COUNT] = [
         limestone,
@@ -35,7 +35,7 @@ pub fn all(fields: &Fields, seed: u32) -> [Texture; COUNT] {
     })
 }
 
-/// A random number of [0, 1) from a block's, one of several.
+/// Random number in [0, 1) of a block; `which` picks one of several.
 fn of(block: u32, which: u32) -> f32 {
     unit(block, which, 0x7e)
 }
@@ -66,7 +66,7 @@ fn ashlar(fields: &Fields, seed: u32) -> Texture {
     let masonry = ashlar_masonry(seed);
     color("ashlar", 1024, |x, y| {
         let (block, edge) = masonry.at(x as f32 / 1024.0, y as f32 / 1024.0);
-        // Every block is cut from another place of the same quarry.
+        // Every block is cut from another part of the same texture.
         let (sx, sy) = (x + (hash(block, 1, 0) % 512) as usize, y + (hash(block, 2, 0) % 512) as usize);
         let relief = Masonry::relief(edge, ASHLAR_JOINT);
         let value = 0.70
@@ -91,7 +91,7 @@ fn ashlar_normal(fields: &Fields, seed: u32) -> Texture {
     })
 }
 
-/// Smoothed lime plaster: nearly white, so that the material gives it its colour.
+/// Smoothed lime plaster, nearly white: the material gives its colour.
 fn plaster(fields: &Fields, _seed: u32) -> Texture {
     color("plaster", 512, |x, y| {
         let stain = fields.stains.texel(x, y);
@@ -129,7 +129,7 @@ fn paving_normal(fields: &Fields, seed: u32) -> Texture {
     normals("paving normals", 1024, |x, y| {
         let (u, v) = (x as f32 / 1024.0, y as f32 / 1024.0);
         let (slab, edge) = slabs.at(u, v);
-        // Worn slabs lie a little askew.
+        // Worn slabs lie slightly tilted.
         let tilt = (u - 0.5) * (of(slab, 6) - 0.5) + (v - 0.5) * (of(slab, 7) - 0.5);
         3.0 * Masonry::relief(edge, SLAB_JOINT) + 2.5 * fields.clouds.texel(x, y) + 0.5 * fields.grain.texel(x, y) + 4.0 * tilt
     })
@@ -159,7 +159,7 @@ fn tiles(fields: &Fields, seed: u32) -> Texture {
     })
 }
 
-/// Four shades of fired clay side by side: a roof tile takes one.
+/// Four shades of fired clay side by side, one for each roof tile.
 fn roof(fields: &Fields, _seed: u32) -> Texture {
     const CLAYS: [[f32; 3]; 4] = [[0.52, 0.22, 0.11], [0.60, 0.29, 0.15], [0.46, 0.19, 0.10], [0.58, 0.34, 0.20]];
     color("roof tiles", 256, |x, y| {
@@ -194,7 +194,7 @@ fn weave(fields: &Fields, _seed: u32) -> Texture {
     })
 }
 
-/// A banner, whole: a coloured field with gold borders, flowers in a lattice of lozenges, and a fringe.
+/// A whole banner: a coloured field with gold borders, flowers in a lattice of lozenges, and a fringe.
 fn banner(name: &str, fields: &Fields, field: [f32; 3]) -> Texture {
     const GOLD: [f32; 3] = [0.70, 0.46, 0.13];
     color(name, 512, |x, y| {
@@ -223,7 +223,7 @@ fn banner(name: &str, fields: &Fields, field: [f32; 3]) -> Texture {
     })
 }
 
-/// A sprig of five pointed leaves; around them the same green without alpha, so that no dark rim is filtered in.
+/// A sprig of five pointed leaves. The same green with alpha 0 surrounds them, so that filtering adds no dark rim.
 fn leaf(fields: &Fields, _seed: u32) -> Texture {
     const LEAVES: [(f32, f32, f32, f32); 5] =
         [(0.5, 0.06, 0.0, 0.50), (0.5, 0.30, 0.85, 0.46), (0.5, 0.34, -0.85, 0.46), (0.5, 0.62, 0.7, 0.42), (0.5, 0.60, -0.7, 0.42)];
@@ -232,7 +232,7 @@ fn leaf(fields: &Fields, _seed: u32) -> Texture {
         let mut alpha: f32 = if (u - 0.5).abs() < 0.012 && v > 0.3 { 1.0 } else { 0.0 };
         let (mut rib, mut tone): (f32, f32) = (0.0, 0.5);
         for (i, (foot, tip, lean, length)) in LEAVES.into_iter().enumerate() {
-            // Along the leaf from its foot on the stem, and across it.
+            // Coordinates along the leaf from its foot on the stem, and across it.
             let base = (foot, tip + length * lean.cos());
             let axis = (lean.sin(), -lean.cos());
             let (dx, dy) = (u - base.0, v - base.1);
@@ -252,7 +252,7 @@ fn leaf(fields: &Fields, _seed: u32) -> Texture {
     })
 }
 
-/// Scuffed metal: where it is touched it shines.
+/// Scuffed metal, shiny where it is worn.
 fn metal(fields: &Fields, _seed: u32) -> Texture {
     surface("metal", 256, |x, y| {
         let worn = step(0.4, 0.65, fields.stains.texel(x * 2, y * 2));
@@ -260,7 +260,7 @@ fn metal(fields: &Fields, _seed: u32) -> Texture {
     })
 }
 
-/// A flame's glow behind glass: brightest a little under the middle.
+/// A flame's glow behind glass, brightest a little below the middle.
 fn glow(fields: &Fields, _seed: u32) -> Texture {
     color("glow", 256, |x, y| {
         let v = (y as f32 + 0.5) / 256.0;
