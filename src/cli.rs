@@ -148,7 +148,7 @@ mod tests {
             render.overrides(),
             ["vpls.count=64", "gather.method=per-pixel", "frame.count=2", "frame.size=[64, 32]", "frame.timing=serial"]
         );
-        let config = crate::config::parse("", Path::new("c.toml"), &render.overrides()).unwrap();
+        let config = crate::config::parse("", Path::new("c.toml"), &render.overrides()).unwrap().config;
         assert_eq!((config.frame.size, config.frame.count, config.frame.timing), ([64, 32], 2, TimingMode::Serial));
     }
 

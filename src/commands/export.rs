@@ -16,10 +16,11 @@ pub fn run(format: &ExportFormat) -> Result<()> {
 }
 
 fn to_mitsuba(args: &MitsubaArgs) -> Result<()> {
-    let config = Setup::load(&args.config, &args.overrides())?.config;
+    let Setup { config, warnings: of_config, .. } = Setup::load(&args.config, &args.overrides())?;
     let folder = args.output();
     prepare_folder(&folder)?;
-    let (mut scene, mut warnings) = load_scene(&config.scene)?;
+    let (mut scene, of_scene) = load_scene(&config.scene)?;
+    let mut warnings = [of_config, of_scene].concat();
     // A render keeps its last frame.
     let frame = args.frame.unwrap_or(config.frame.count - 1);
     let camera = view::camera(&config, &scene, scene.bounds(), frame)?;

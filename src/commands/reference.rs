@@ -52,7 +52,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let progress = Progress::new(args.quiet);
     progress.say("loading the scene");
     let opened = setup::open(config, On { device: args.device.as_ref(), validate: args.validate })?;
-    let warnings = opened.warnings.clone();
+    let warnings = [setup.warnings.clone(), opened.warnings.clone()].concat();
     warnings.iter().for_each(|warning| progress.warn(warning));
     progress.say("building the hierarchy");
     let digest = scene_digest(&opened.scene);

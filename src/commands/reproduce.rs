@@ -35,6 +35,7 @@ pub fn run(args: &ReproduceArgs) -> Result<()> {
         planned.push((table, plan, folder));
     }
     let progress = Progress::new(args.quiet);
+    planned.iter().flat_map(|(_, plan, _)| &plan.warnings).for_each(|warning| progress.warn(warning));
     let shaders = Library::new()?.key_of_all().to_hex().to_string();
     let mut session = Session { args, progress: &progress, shaders, open: None };
     // Runs are numbered over all tables, so that shards are about equally long.

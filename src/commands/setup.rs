@@ -1,7 +1,7 @@
 //! Setting up a run: config, device, scene, warnings and shaders. Every command that shows frames begins here.
 
 use super::progress::Progress;
-use crate::config::{self, Config};
+use crate::config::{self, Config, Loaded};
 use crate::files::prepare_folder;
 use crate::gpu::{DeviceChoice, Gpu, Options};
 use crate::graph::{Execution, Timing};
@@ -19,6 +19,8 @@ use std::time::Instant;
 /// A config to run.
 pub struct Setup {
     pub config: Config,
+    /// Warnings of the config.
+    pub warnings: Vec<String>,
     /// Path of the config; figures are listed under its name.
     path: PathBuf,
     started: Instant,
@@ -59,11 +61,11 @@ impl Setup {
     /// `BadInput` with file, line and key.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self> {
         let started = Instant::now();
-        let config = match path.to_str().and_then(presets::find) {
+        let Loaded { config, warnings } = match path.to_str().and_then(presets::find) {
             Some(text) if !path.exists() => config::parse(text, &path.with_extension("toml"), overrides),
             _ => config::load(path, overrides),
         }?;
-        Ok(Self { config, path: path.to_owned(), started })
+        Ok(Self { config, warnings, path: path.to_owned(), started })
     }
 
     /// Opens the device, uploads the scene, checks the config, prints warnings, and makes the pipelines. Passes in `dump` must
@@ -72,7 +74,7 @@ impl Setup {
         let config = &self.config;
         progress.say("loading the scene");
         let opened = open(config, on)?;
-        let mut warnings = opened.warnings.clone();
+        let mut warnings = [self.warnings.clone(), opened.warnings.clone()].concat();
         progress.say("bringing the scene to the device");
         let mut renderer = opened.bring(needs(config))?;
         renderer.check(config)?;

@@ -1,5 +1,7 @@
 //! `[bounce]`.
 
+use super::unused::Unused;
+use super::{Config, VisibilityMethod};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -10,9 +12,35 @@ pub struct BounceConfig {
     /// Bounces of indirect light. 1 is the light of the reflective shadow maps' VPLs alone.
     #[schemars(range(min = 1, max = 8))]
     pub count: u32,
-    /// Clusters of a bounce's VPLs, each with a map of what it sees.
+    /// VPLs of each bounce after the first, in all.
+    #[schemars(range(min = 1, max = 65_536))]
+    pub vpls: u32,
+    pub pattern: Pattern,
+    pub shares: Shares,
+    pub visibility: BounceVisibility,
+    pub clusters: ClustersConfig,
+}
+
+impl Default for BounceConfig {
+    fn default() -> Self {
+        Self {
+            count: 1,
+            vpls: 256,
+            pattern: Pattern::Disk,
+            shares: Shares::Equal,
+            visibility: BounceVisibility::None,
+            clusters: ClustersConfig::default(),
+        }
+    }
+}
+
+/// Clusters of VPLs, each with a paraboloid map of what it sees: for further bounces, and for `visibility.method = "clusters"`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct ClustersConfig {
+    /// Clusters of a bounce's VPLs.
     #[schemars(range(min = 1, max = 64))]
-    pub clusters: u32,
+    pub count: u32,
     pub representative: Representative,
     pub centers: Centers,
     /// Rounds of k-means per frame. The first frame goes on until nothing changes.
@@ -28,19 +56,12 @@ pub struct BounceConfig {
     #[schemars(extend("enum" = [64, 128, 256, 512, 1024]))]
     pub map_size: u32,
     pub layers: Layers,
-    pub pattern: Pattern,
-    pub shares: Shares,
-    /// VPLs of each bounce after the first, in all.
-    #[schemars(range(min = 1, max = 65_536))]
-    pub vpls: u32,
-    pub visibility: BounceVisibility,
 }
 
-impl Default for BounceConfig {
+impl Default for ClustersConfig {
     fn default() -> Self {
         Self {
-            count: 1,
-            clusters: 8,
+            count: 8,
             representative: Representative::NearestMember,
             centers: Centers::Kept,
             rounds: 5,
@@ -48,10 +69,6 @@ impl Default for BounceConfig {
             normal_weight: 0.4,
             map_size: 256,
             layers: Layers::Instanced,
-            pattern: Pattern::Disk,
-            shares: Shares::Equal,
-            vpls: 256,
-            visibility: BounceVisibility::None,
         }
     }
 }
@@ -122,6 +139,21 @@ pub enum BounceVisibility {
     None,
     /// By a ray for each pair of pixel and VPL: exact.
     RayTraced,
-    /// By imperfect shadow maps, as set in `[visibility]`.
+    /// By imperfect shadow maps, as set in `[visibility.ism]`.
     ImperfectShadowMaps,
+}
+
+impl BounceConfig {
+    /// Keys that are not used.
+    pub(super) fn unused(config: &Config) -> Vec<Unused> {
+        let single = config.bounce.count == 1;
+        let without_clusters = single && config.visibility.method != VisibilityMethod::Clusters;
+        [
+            single.then(|| Unused::new(&["bounce.vpls", "bounce.pattern", "bounce.shares", "bounce.visibility"], &["bounce.count"])),
+            without_clusters.then(|| Unused::new(&["bounce.clusters"], &["bounce.count", "visibility.method"])),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
 }

@@ -1,6 +1,7 @@
 //! Checks a merged config key by key against the schema: unknown keys, wrong types, values out of range. What passes deserializes.
 
 use super::keys::{Choice, KeyInfo, Kind, Range, choices, keys, listed};
+use super::renamed;
 use super::tree::{Node, Origin, Table, Value, join, quoted};
 use crate::fail;
 use anyhow::Result;
@@ -17,6 +18,9 @@ pub fn table(table: &Table, pattern: &str, path: &str) -> Result<()> {
     for (key, node) in entries {
         let path = join(path, key);
         let pattern = if pattern.is_empty() { key.clone() } else { format!("{pattern}.{key}") };
+        if let Some(now) = renamed::now(&pattern, &node.value) {
+            return Err(error(&node.origin, &path, format_args!("is now {now}")));
+        }
         match find(&pattern).filter(|_| !key.contains('.')) {
             Some(info) => value(node, info, &path)?,
             None => return Err(error(&node.origin, &path, format_args!("unknown key{}", hint(key, &pattern)))),
@@ -46,9 +50,13 @@ fn hint(key: &str, pattern: &str) -> String {
     if let Some(near) = nearest(key, &siblings) {
         return format!("; did you mean \"{near}\"?");
     }
-    let elsewhere = keys().iter().find(|info| !info.key.contains(".N.") && info.key.rsplit('.').next() == Some(key));
-    match elsewhere {
-        Some(info) => format!("; did you mean \"{}\"?", info.key),
+    // In a section of this table, or else the same name anywhere.
+    let deeper: Vec<&str> = keys().iter().filter_map(|info| info.key.strip_prefix(parent)?.strip_prefix('.')).collect();
+    let names: Vec<&str> = deeper.iter().map(|path| path.rsplit('.').next().unwrap_or(path)).collect();
+    let near = nearest(key, &names).and_then(|near| names.iter().position(|name| *name == near)).map(|i| deeper[i]);
+    let same = || keys().iter().find(|info| !info.key.contains(".N.") && info.key.rsplit('.').next() == Some(key));
+    match near.or_else(|| same().map(|info| info.key.as_str())) {
+        Some(key) => format!("; did you mean \"{key}\"?"),
         None if siblings.is_empty() => String::new(),
         None => format!("; known here are {}", siblings.join(", ")),
     }

@@ -1,5 +1,7 @@
 //! `[direct]`.
 
+use super::Config;
+use super::unused::Unused;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -35,4 +37,14 @@ pub enum Shadows {
     RayTraced,
     /// No shadows.
     None,
+}
+
+impl DirectConfig {
+    /// Keys that are not used.
+    pub(super) fn unused(config: &Config) -> Vec<Unused> {
+        (matches!(config.direct.shadows, Shadows::RayTraced | Shadows::None))
+            .then(|| Unused::new(&["direct.bias", "direct.blur"], &["direct.shadows"]))
+            .into_iter()
+            .collect()
+    }
 }

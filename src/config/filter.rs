@@ -1,5 +1,7 @@
 //! `[filter]`.
 
+use super::Config;
+use super::unused::Unused;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -40,4 +42,11 @@ pub enum FilterKind {
     CrossBilateral,
     /// No filter.
     None,
+}
+
+impl FilterConfig {
+    /// Keys that are not used.
+    pub(super) fn unused(config: &Config) -> Vec<Unused> {
+        (config.filter.kind == FilterKind::None).then(|| Unused::new(&["filter"], &["filter.kind"])).into_iter().collect()
+    }
 }

@@ -1,6 +1,7 @@
 //! `[gather]`.
 
 use super::rules::{Broken, broken};
+use super::unused::Unused;
 use super::{Config, VisibilityMethod};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -13,25 +14,12 @@ pub struct GatherConfig {
     /// Side of the block of pixels that share out the VPLs: each pixel sums one of `interleave`^2 subsets.
     #[schemars(extend("enum" = [1, 2, 4, 8]))]
     pub interleave: u32,
-    pub culling: Culling,
-    pub bounds: Bounds,
-    pub rasterization: Rasterization,
-    /// Nodes that the light lists of conservative clusters have room for, 8 bytes each. Nodes beyond are lost, and counted.
-    // At most half of the paper's 256 MB, which is as large as every driver lets a buffer be.
-    #[schemars(range(min = 1, max = 16_777_216))]
-    pub nodes: u32,
-    /// Irradiance E = I(w)/d^2 of a surface that faces the VPL, W/m^2, below which Russian roulette decides: the VPL is kept with
-    /// probability p = E / `delta` and weighted by 1/p, so the mean is unchanged.
-    #[schemars(range(max = 1_000_000), extend("exclusiveMinimum" = 0))]
-    pub delta: f32,
-    pub roulette: RouletteChoice,
-    /// Counts the VPLs on a pixel's light lists and those that shine there. `--dump gather/statistics` pictures them.
-    pub statistics: bool,
-    pub receiver: Receiver,
-    pub emitters: Emitters,
     /// Distance d_min below which a VPL gets no brighter, metres. 0 turns the bound off.
     #[schemars(range(min = 0, max = 1_000_000))]
     pub min_distance: f32,
+    pub per_pixel: PerPixelConfig,
+    pub stochastic: StochasticConfig,
+    pub conservative_clusters: ConservativeClustersConfig,
 }
 
 impl Default for GatherConfig {
@@ -39,16 +27,10 @@ impl Default for GatherConfig {
         Self {
             method: GatherMethod::PerPixel,
             interleave: 4,
-            culling: Culling::Tiled,
-            bounds: Bounds::Ellipsoid,
-            rasterization: Rasterization::Automatic,
-            nodes: 1 << 24,
-            delta: 0.001,
-            roulette: RouletteChoice::Fixed,
-            statistics: false,
-            receiver: Receiver::Diffuse,
-            emitters: Emitters::Points,
             min_distance: 0.3,
+            per_pixel: PerPixelConfig::default(),
+            stochastic: StochasticConfig::default(),
+            conservative_clusters: ConservativeClustersConfig::default(),
         }
     }
 }
@@ -57,12 +39,68 @@ impl Default for GatherConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum GatherMethod {
-    /// Every pixel sums every VPL of its subset.
+    /// Every pixel sums every VPL of its subset that can shine on it.
     #[default]
     PerPixel,
+    /// Every VPL has a random range, beyond which Russian roulette has decided against it (Tokuyoshi and Harada 2017).
+    Stochastic,
 }
 
-/// How VPLs that cannot shine on pixels are left out. The first three leave the picture as it is.
+/// The method `"per-pixel"`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct PerPixelConfig {
+    pub culling: Culling,
+    pub emitters: Emitters,
+}
+
+/// The method `"stochastic"`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct StochasticConfig {
+    pub culling: StochasticCulling,
+    pub bounds: Bounds,
+    /// Irradiance E = I(w)/d^2 of a surface that faces the VPL, W/m^2, below which Russian roulette decides: the VPL is kept with
+    /// probability p = E / `delta` and weighted by 1/p, so the mean is unchanged.
+    #[schemars(range(max = 1_000_000), extend("exclusiveMinimum" = 0))]
+    pub delta: f32,
+    pub roulette: RouletteChoice,
+    /// Counts the VPLs on a pixel's light lists and those that shine there. `--dump gather/statistics` pictures them.
+    pub statistics: bool,
+    pub receiver: Receiver,
+}
+
+impl Default for StochasticConfig {
+    fn default() -> Self {
+        Self {
+            culling: StochasticCulling::Tiled,
+            bounds: Bounds::Ellipsoid,
+            delta: 0.001,
+            roulette: RouletteChoice::Fixed,
+            statistics: false,
+            receiver: Receiver::Diffuse,
+        }
+    }
+}
+
+/// The culling `"conservative-clusters"` of the method `"stochastic"`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct ConservativeClustersConfig {
+    pub rasterization: Rasterization,
+    /// Nodes that the light lists have room for, 8 bytes each. Nodes beyond are lost, and counted.
+    // At most half of the paper's 256 MB, which is as large as every driver lets a buffer be.
+    #[schemars(range(min = 1, max = 16_777_216))]
+    pub nodes: u32,
+}
+
+impl Default for ConservativeClustersConfig {
+    fn default() -> Self {
+        Self { rasterization: Rasterization::Automatic, nodes: 1 << 24 }
+    }
+}
+
+/// How VPLs that cannot shine on pixels are left out. The picture stays as it is.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Culling {
@@ -73,23 +111,20 @@ pub enum Culling {
     Tiled,
     /// By light lists of froxels: tiles of 128 pixels and 16 slices of depth.
     Clustered,
-    /// By random ranges, tested for tiles of pixels of a subset.
-    StochasticTiled,
-    /// By random ranges. Each range's hull, 80 triangles, is rasterized and its light blended in (Dachsbacher and Stamminger 2006).
-    Splatting,
-    /// By random ranges and light lists of froxels, tiles of 16 pixels of a subset and 32 slices of depth. Hulls of 20 triangles are
-    /// conservatively rasterized into them.
-    ConservativeClusters,
 }
 
-impl Culling {
-    /// Whether it leaves lights to chance.
-    pub fn is_stochastic(self) -> bool {
-        match self {
-            Self::StochasticTiled | Self::Splatting | Self::ConservativeClusters => true,
-            Self::None | Self::Tiled | Self::Clustered => false,
-        }
-    }
+/// How VPLs are left out whose random range does not reach pixels.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum StochasticCulling {
+    /// By tiles of 16 x 16 pixels of a subset, in the gather itself.
+    #[default]
+    Tiled,
+    /// By rasterizing each range's hull, 80 triangles, and blending its light in (Dachsbacher and Stamminger 2006). Has no shadows.
+    Splatting,
+    /// By light lists of froxels, tiles of 16 pixels of a subset and 32 slices of depth, into which hulls of 20 triangles are
+    /// conservatively rasterized. Has no shadows.
+    ConservativeClusters,
 }
 
 /// Bounds of a glossy VPL's random range.
@@ -144,7 +179,7 @@ pub enum RouletteChoice {
     None,
 }
 
-/// Reflection of indirect light by what the camera sees. `"ggx"` needs stochastic tiles.
+/// Reflection of indirect light by what the camera sees. `"ggx"` needs the culling `"tiled"`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Receiver {
@@ -168,32 +203,56 @@ pub enum Emitters {
 }
 
 impl GatherConfig {
+    /// The culling of the method `"stochastic"`, where that is the method.
+    pub fn stochastic_culling(&self) -> Option<StochasticCulling> {
+        match self.method {
+            GatherMethod::PerPixel => None,
+            GatherMethod::Stochastic => Some(self.stochastic.culling),
+        }
+    }
+
     /// Keys that exclude or need each other.
     pub(super) fn rules(config: &Config) -> Result<(), Broken> {
-        let gather = &config.gather;
-        if matches!(gather.culling, Culling::Splatting | Culling::ConservativeClusters) {
+        let (gather, stochastic) = (&config.gather, &config.gather.stochastic);
+        let culling = gather.stochastic_culling();
+        if matches!(culling, Some(StochasticCulling::Splatting | StochasticCulling::ConservativeClusters)) {
             if config.visibility_methods().any(|method| method != VisibilityMethod::None) {
                 return broken(
-                    "gather.culling",
+                    "gather.stochastic.culling",
                     "splats and conservative clusters are there to be timed, and have no shadows; take visibility.method = \"none\"",
                 );
             }
-            if gather.statistics && gather.culling == Culling::Splatting {
-                return broken("gather.statistics", "splats are on no list to be counted; take another gather.culling");
+            if stochastic.statistics && culling == Some(StochasticCulling::Splatting) {
+                let message = "splats are on no list to be counted; take another gather.stochastic.culling";
+                return broken("gather.stochastic.statistics", message);
             }
-            if gather.bounds == Bounds::None {
-                return broken("gather.bounds", "\"none\" leaves nothing to draw; take another, or gather.culling = \"stochastic-tiled\"");
+            if stochastic.bounds == Bounds::None {
+                let message = "\"none\" leaves nothing to draw; take another, or gather.stochastic.culling = \"tiled\"";
+                return broken("gather.stochastic.bounds", message);
             }
         }
-        if gather.receiver == Receiver::Ggx && gather.culling != Culling::StochasticTiled {
+        if stochastic.receiver == Receiver::Ggx && culling != Some(StochasticCulling::Tiled) {
             return broken(
-                "gather.receiver",
-                "receivers are glossy with stochastic tiles alone; take gather.culling = \"stochastic-tiled\"",
+                "gather.stochastic.receiver",
+                "receivers are glossy with stochastic tiles alone; take gather.method = \"stochastic\" and gather.stochastic.culling = \"tiled\"",
             );
         }
-        if gather.culling.is_stochastic() && gather.emitters == Emitters::Disks {
-            return broken("gather.emitters", "stochastic culling bounds the range of points, not of disks; take emitters = \"points\"");
+        if culling.is_some() && gather.per_pixel.emitters == Emitters::Disks {
+            let message = "stochastic culling bounds the range of points, not of disks; take emitters = \"points\"";
+            return broken("gather.per_pixel.emitters", message);
         }
         Ok(())
+    }
+
+    /// Keys that are not used.
+    pub(super) fn unused(config: &Config) -> Vec<Unused> {
+        match config.gather.stochastic_culling() {
+            None => vec![Unused::new(&["gather.stochastic", "gather.conservative_clusters"], &["gather.method"])],
+            Some(culling) => {
+                let tiles = Unused::new(&["gather.conservative_clusters"], &["gather.stochastic.culling"]);
+                let tiles = (culling != StochasticCulling::ConservativeClusters).then_some(tiles);
+                std::iter::once(Unused::new(&["gather.per_pixel"], &["gather.method"])).chain(tiles).collect()
+            }
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! From files and `--set` options to a checked config, and back to TOML.
 
 use super::tree::{Lines, Node, Origin, Source, Table, Value, insert, overlay, override_value, quoted};
-use super::{Config, check, rules, scene};
+use super::{Config, check, renamed, rules, scene, unused};
 use crate::fail;
 use crate::presets;
 use anyhow::Result;
@@ -16,13 +16,21 @@ const LARGEST_FILE: u64 = 1 << 20;
 /// A chain of bases that is longer is a mistake.
 const MOST_FILES: usize = 16;
 
+/// A config, and what its author should know of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded {
+    pub config: Config,
+    /// A sentence for each key that is said and not used, with file and line.
+    pub warnings: Vec<String>,
+}
+
 /// Loads a config file with its bases, then applies `overrides` (`key=value`) in order.
 ///
 /// Every error is one sentence with file, line and key, and ends the program with [`crate::error::Exit::BadInput`].
-pub fn load(path: &Path, overrides: &[String]) -> Result<Config> {
-    let (config, root) = resolve(&read(path)?, path, overrides)?;
-    scene_is_there(&config, &root)?;
-    Ok(config)
+pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded> {
+    let (loaded, root) = resolve(&read(path)?, path, overrides)?;
+    scene_is_there(&loaded.config, &root)?;
+    Ok(loaded)
 }
 
 fn scene_is_there(config: &Config, root: &Node) -> Result<()> {
@@ -34,19 +42,31 @@ fn scene_is_there(config: &Config, root: &Node) -> Result<()> {
 }
 
 /// As [`load`], for a text that would be at `origin`; looks at no file but the text's bases.
-pub fn parse(text: &str, origin: &Path, overrides: &[String]) -> Result<Config> {
+pub fn parse(text: &str, origin: &Path, overrides: &[String]) -> Result<Loaded> {
     Ok(resolve(text, origin, overrides)?.0)
 }
 
-/// The config as TOML that loads again to the same value.
+/// The config as TOML that loads again to the same value. Keys that are not used are left out where they have their default.
 pub fn to_toml(config: &Config) -> String {
-    match toml::to_string(config) {
-        Ok(text) => text,
-        Err(error) => unreachable!("a config is tables of plain data: {error}"),
+    let text = toml::Table::try_from(config).and_then(|mut values| {
+        unused::forget(config, &mut values);
+        values.iter_mut().for_each(|(_, value)| shorten(value));
+        toml::to_string(&values)
+    });
+    text.unwrap_or_else(|error| unreachable!("a config is tables of plain data: {error}"))
+}
+
+/// Numbers came from 32 bits and need no more digits.
+fn shorten(value: &mut toml::Value) {
+    match value {
+        toml::Value::Float(number) => *number = (*number as f32).to_string().parse().unwrap_or(*number),
+        toml::Value::Array(items) => items.iter_mut().for_each(shorten),
+        toml::Value::Table(table) => table.iter_mut().for_each(|(_, value)| shorten(value)),
+        _ => {}
     }
 }
 
-fn resolve(text: &str, path: &Path, overrides: &[String]) -> Result<(Config, Node)> {
+fn resolve(text: &str, path: &Path, overrides: &[String]) -> Result<(Loaded, Node)> {
     let mut root = chain(text, path)?;
     for text in overrides {
         set(&mut root, text)?;
@@ -55,7 +75,7 @@ fn resolve(text: &str, path: &Path, overrides: &[String]) -> Result<(Config, Nod
 }
 
 /// A merged tree, checked and typed.
-fn finish(mut root: Node) -> Result<(Config, Node)> {
+fn finish(mut root: Node) -> Result<(Loaded, Node)> {
     let Value::Table(table) = &mut root.value else { unreachable!("a document is a table") };
     check::table(table, "", "")?;
     scene::given(table)?;
@@ -68,7 +88,8 @@ fn finish(mut root: Node) -> Result<(Config, Node)> {
         config.scene.builtin = None;
     }
     rules::check(&config, &root)?;
-    Ok((config, root))
+    let warnings = unused::warnings(&config, &root);
+    Ok((Loaded { config, warnings }, root))
 }
 
 /// A config that others are made from, by what they change: the cells of a table.
@@ -86,7 +107,7 @@ impl Base {
     }
 
     /// The config with some trees laid over it, each above the one before, then the `--set` options.
-    pub fn with(&self, trees: &[&Node], overrides: &[String]) -> Result<Config> {
+    pub fn with(&self, trees: &[&Node], overrides: &[String]) -> Result<Loaded> {
         let mut root = self.0.clone();
         for (i, tree) in trees.iter().enumerate() {
             overlay(&mut root, tree.in_layer(MOST_FILES + 1 + i), "");
@@ -94,9 +115,9 @@ impl Base {
         for text in overrides {
             set(&mut root, text)?;
         }
-        let (config, root) = finish(root)?;
-        scene_is_there(&config, &root)?;
-        Ok(config)
+        let (loaded, root) = finish(root)?;
+        scene_is_there(&loaded.config, &root)?;
+        Ok(loaded)
     }
 }
 
@@ -226,7 +247,8 @@ fn set(root: &mut Node, text: &str) -> Result<()> {
         path.push_str(part);
     };
     for part in parents {
-        node = match &mut node.value {
+        let Node { origin: said, value: inside } = node;
+        node = match inside {
             Value::Table(table) => {
                 extend(&mut pattern, part);
                 let empty = || Node { origin: origin.clone(), value: Value::Table(Table::new()) };
@@ -236,19 +258,28 @@ fn set(root: &mut Node, text: &str) -> Result<()> {
                 extend(&mut pattern, "N");
                 item(items, part, &path, &origin)?
             }
-            _ => return Err(check::error(&origin, &path, format_args!("is no table, it has no key {}", quoted(part)))),
+            other => return Err(no_table(said, other, &path, part, &origin)),
         };
         extend(&mut path, part);
     }
-    match &mut node.value {
+    let Node { origin: said, value: inside } = node;
+    match inside {
         Value::Table(table) => insert(table, (*last).to_owned(), value, &pattern),
         Value::List(items) => {
             extend(&mut pattern, "N");
             overlay(item(items, last, &path, &origin)?, value, &pattern);
         }
-        _ => return Err(check::error(&origin, &path, format_args!("is no table, it has no key {}", quoted(last)))),
+        other => return Err(no_table(said, other, &path, last, &origin)),
     }
     Ok(())
+}
+
+/// An option goes into what is no table; that may be a key's old name.
+fn no_table(said: &Origin, value: &Value, path: &str, part: &str, origin: &Origin) -> anyhow::Error {
+    match renamed::now(path, value) {
+        Some(now) => check::error(said, path, format_args!("is now {now}")),
+        None => check::error(origin, path, format_args!("is no table, it has no key {}", quoted(part))),
+    }
 }
 
 fn item<'l>(items: &'l mut [Node], part: &str, path: &str, origin: &Origin) -> Result<&'l mut Node> {

@@ -1,7 +1,7 @@
 //! What a run does: a TOML file, as typed data with a default for every key.
 //!
-//! A file a slot of the frame. The types there say all of a key: default, range, meaning, choices; what a file of theirs cannot say
-//! alone follows as the slot's rules. Loading checks files by it; whoever builds a [`Config`] in code keeps the ranges that the fields name.
+//! A file a slot of the frame. The types there say all of a key: default, range, meaning, choices; beside them stand the rules between keys
+//! and which keys a choice leaves unused. Loading checks files by it; whoever builds a [`Config`] in code keeps the ranges that the fields name.
 
 mod bounce;
 mod camera;
@@ -16,12 +16,14 @@ mod light;
 mod load;
 mod materials;
 mod output;
+mod renamed;
 mod rsm;
 mod rules;
 mod scene;
 mod schema;
 mod ssao;
 pub(crate) mod tree;
+mod unused;
 mod values;
 mod visibility;
 mod vpls;
@@ -37,7 +39,7 @@ pub use gather::*;
 pub use keys::{Choice, KeyInfo, Kind, Range, choices, keys, markdown};
 pub use light::{LightConfig, LightKeyframe};
 pub(crate) use load::{Base, document, read_text};
-pub use load::{load, parse, to_toml};
+pub use load::{Loaded, load, parse, to_toml};
 pub use materials::*;
 pub use output::*;
 pub use rsm::*;

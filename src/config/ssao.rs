@@ -1,5 +1,7 @@
 //! `[ssao]`.
 
+use super::Config;
+use super::unused::Unused;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -46,4 +48,11 @@ pub enum SsaoResolution {
     /// Every second pixel of every second row.
     #[default]
     Half,
+}
+
+impl SsaoConfig {
+    /// Keys that are not used.
+    pub(super) fn unused(config: &Config) -> Vec<Unused> {
+        (config.ssao.method == SsaoMethod::None).then(|| Unused::new(&["ssao"], &["ssao.method"])).into_iter().collect()
+    }
 }

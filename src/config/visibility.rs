@@ -1,18 +1,33 @@
 //! `[visibility]`.
 
 use super::rules::{Broken, broken};
-use super::{BounceVisibility, Config, Culling, VplSampler};
+use super::unused::Unused;
+use super::{BounceVisibility, Config, StochasticCulling, VplSampler};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Shadows of virtual point lights.
+/// Shadows of VPLs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct VisibilityConfig {
     pub method: VisibilityMethod,
-    /// Imperfect shadow maps that the VPLs of `"every-texel"` share, at most. Neighbouring VPLs see nearly the same.
-    #[schemars(range(min = 1, max = 65_536))]
-    pub shared_maps: u32,
+    /// Distance behind a map's surface that is still lit, in units of what the map resolves there.
+    #[schemars(range(min = 0, max = 64))]
+    pub bias: f32,
+    pub lookup: Lookup,
+    pub ism: IsmConfig,
+}
+
+impl Default for VisibilityConfig {
+    fn default() -> Self {
+        Self { method: VisibilityMethod::None, bias: 0.75, lookup: Lookup::Bilinear, ism: IsmConfig::default() }
+    }
+}
+
+/// Imperfect shadow maps: small paraboloid maps of points that the scene's triangles are turned into anew in every frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct IsmConfig {
     pub renderer: IsmRenderer,
     pub collect: Collect,
     pub points: PointSet,
@@ -46,17 +61,14 @@ pub struct VisibilityConfig {
     pub enlarge: Option<f32>,
     /// Limits a point's size by its normal.
     pub normals: bool,
-    pub lookup: Lookup,
-    /// Distance behind a map's surface that is still lit, in units of what the map resolves there.
-    #[schemars(range(min = 0, max = 64))]
-    pub bias: f32,
+    /// Imperfect shadow maps that the VPLs of `"every-texel"` share, at most. Neighbouring VPLs see nearly the same.
+    #[schemars(range(min = 1, max = 65_536))]
+    pub shared_maps: u32,
 }
 
-impl Default for VisibilityConfig {
+impl Default for IsmConfig {
     fn default() -> Self {
         Self {
-            method: VisibilityMethod::None,
-            shared_maps: 1024,
             renderer: IsmRenderer::SinglePixel,
             collect: Collect::Compute,
             points: PointSet::Uniform,
@@ -70,8 +82,7 @@ impl Default for VisibilityConfig {
             clamp: true,
             enlarge: None,
             normals: false,
-            lookup: Lookup::Bilinear,
-            bias: 0.75,
+            shared_maps: 1024,
         }
     }
 }
@@ -87,7 +98,7 @@ pub enum VisibilityMethod {
     RayTraced,
     /// By imperfect shadow maps: one small paraboloid map of points per VPL (Ritschel et al. 2008).
     ImperfectShadowMaps,
-    /// By one paraboloid map per cluster of VPLs, as set in `[bounce]`.
+    /// By one paraboloid map per cluster of VPLs, as set in `[bounce.clusters]`.
     Clusters,
 }
 
@@ -139,7 +150,7 @@ impl Config {
     /// How many imperfect shadow maps the VPLs of every texel share, where they do.
     pub fn shared_maps(&self) -> Option<u32> {
         let shared = self.visibility.method == VisibilityMethod::ImperfectShadowMaps && self.vpls.sampler == VplSampler::EveryTexel;
-        shared.then_some(self.visibility.shared_maps)
+        shared.then_some(self.visibility.ism.shared_maps)
     }
 
     /// How the VPLs of the first bounce are shadowed, and those of further ones.
@@ -162,25 +173,25 @@ impl Config {
 impl VisibilityConfig {
     /// Keys that exclude or need each other.
     pub(super) fn rules(config: &Config) -> Result<(), Broken> {
-        let ism = &config.visibility;
+        let ism = &config.visibility.ism;
         let splat = ism.renderer == IsmRenderer::Splat;
         if ism.points == PointSet::Adaptive {
             if splat {
                 return broken(
-                    "visibility.points",
+                    "visibility.ism.points",
                     "\"adaptive\" chooses from points that a buffer holds, and splats come from no buffer; take renderer = \"single-pixel\"",
                 );
             }
             if ism.collect == Collect::Tessellation {
                 return broken(
-                    "visibility.points",
+                    "visibility.ism.points",
                     "\"adaptive\" needs its points in an order that the tessellator does not keep; take collect = \"compute\"",
                 );
             }
         }
         if ism.normals && splat {
             return broken(
-                "visibility.normals",
+                "visibility.ism.normals",
                 "are kept for what fills the holes between single pixels, and splats have none of it; take renderer = \"single-pixel\"",
             );
         }
@@ -188,16 +199,35 @@ impl VisibilityConfig {
             && collected > considered
         {
             return broken(
-                "visibility.collected",
-                format!("{collected} is over visibility.considered, {considered}: a point is drawn into maps that it was considered for"),
+                "visibility.ism.collected",
+                format!(
+                    "{collected} is over visibility.ism.considered, {considered}: a point is drawn into maps that it was considered for"
+                ),
             );
         }
-        if config.shared_maps().is_some() && config.gather.culling != Culling::StochasticTiled {
+        if config.shared_maps().is_some() && config.gather.stochastic_culling() != Some(StochasticCulling::Tiled) {
             return broken(
                 "visibility.method",
-                "imperfect shadow maps are shared with stochastic tiles alone; take gather.culling = \"stochastic-tiled\" or another vpls.sampler",
+                "imperfect shadow maps are shared with stochastic tiles alone; take gather.method = \"stochastic\" with gather.stochastic.culling = \"tiled\", or another vpls.sampler",
             );
         }
         Ok(())
+    }
+
+    /// Keys that are not used.
+    pub(super) fn unused(config: &Config) -> Vec<Unused> {
+        let further = if config.bounce.count == 1 { "bounce.count" } else { "bounce.visibility" };
+        let all = || config.visibility_methods();
+        if all().any(|method| method == VisibilityMethod::ImperfectShadowMaps) {
+            let alone =
+                if config.visibility.method == VisibilityMethod::ImperfectShadowMaps { "vpls.sampler" } else { "visibility.method" };
+            let unshared = || Unused::new(&["visibility.ism.shared_maps"], &[alone]);
+            return config.shared_maps().is_none().then(unshared).into_iter().collect();
+        }
+        let mut keys = vec!["visibility.ism"];
+        if all().all(|method| method != VisibilityMethod::Clusters) {
+            keys.extend(["visibility.bias", "visibility.lookup"]);
+        }
+        vec![Unused::new(&keys, &["visibility.method", further])]
     }
 }

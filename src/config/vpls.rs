@@ -1,7 +1,8 @@
 //! `[vpls]`.
 
-use super::Config;
 use super::rules::{Broken, broken};
+use super::unused::Unused;
+use super::{Config, GatherMethod};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -49,7 +50,7 @@ pub enum Importance {
     PassedFlux,
 }
 
-/// Reflection that VPLs stand for. Glossy VPLs need stochastic culling.
+/// Reflection that VPLs stand for. Glossy VPLs need `gather.method = "stochastic"`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reflection {
@@ -78,12 +79,17 @@ impl VplsConfig {
         if config.vpls.importance != Importance::None && config.vpls.sampler != VplSampler::Hammersley {
             return broken("vpls.importance", "only Hammersley's points are drawn by importance; take vpls.sampler = \"hammersley\"");
         }
-        if config.vpls.reflection != Reflection::Diffuse && !config.gather.culling.is_stochastic() {
+        if config.vpls.reflection != Reflection::Diffuse && config.gather.method != GatherMethod::Stochastic {
             return broken(
                 "vpls.reflection",
-                "glossy virtual point lights are summed by stochastic culling alone; take gather.culling = \"stochastic-tiled\"",
+                "glossy virtual point lights are summed by stochastic culling alone; take gather.method = \"stochastic\"",
             );
         }
         Ok(())
+    }
+
+    /// Keys that are not used.
+    pub(super) fn unused(config: &Config) -> Vec<Unused> {
+        (config.vpls.sampler == VplSampler::EveryTexel).then(|| Unused::new(&["vpls.count"], &["vpls.sampler"])).into_iter().collect()
     }
 }

@@ -47,7 +47,7 @@ mod tests {
             [[light.keyframes]]\ntime = 1\nposition = [1, 3, 0]\n\
             [[light]]\nkind = \"point\"\nposition = [0, 3, 0]\nintensity = [1, 1, 1]\n\
             [[light]]\nkind = \"environment\"\nradiance = [1, 1, 1]\n";
-        let config = config::parse(text, Path::new("x.toml"), &[]).unwrap();
+        let config = config::parse(text, Path::new("x.toml"), &[]).unwrap().config;
         let settings = Settings { bounces: 2, frame_index: 3, min_distance: 0.5, centered: true };
         let expected = "digest (Some(CameraConfig { position: None, target: None, up: None, fov_y_deg: Some(50.0), node: None, interpolation: Linear, \
             keyframes: [CameraKeyframe { time: 0.0, position: [0.0, 1.0, 2.0], target: [0.0, 0.0, 0.0], fov_y_deg: None }] }), \

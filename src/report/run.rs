@@ -23,7 +23,7 @@ pub struct RunReport {
     pub frames: u32,
     /// Number of untimed frames before them.
     pub warmup: u32,
-    /// Choices that the config left to the program, by key, as made on this device: `gather.rasterization`.
+    /// Choices that the config left to the program, by key, as made on this device: `gather.conservative_clusters.rasterization`.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub choices: BTreeMap<&'static str, Value>,
     pub timings: Timings,
@@ -100,7 +100,7 @@ mod tests {
             seed: 7,
             frames: 2,
             warmup: 2,
-            choices: [("gather.rasterization", json!("geometry-shader"))].into(),
+            choices: [("gather.conservative_clusters.rasterization", json!("geometry-shader"))].into(),
             timings: Timings::of(&times(&[(0, "gbuffer/draw", 1.0), (1, "gbuffer/draw", 2.0)])),
             counts: [("gather/vpls".to_owned(), 1024)].into(),
             means: [("gather/glossy-listed".to_owned(), 2.5)].into(),
@@ -134,7 +134,7 @@ mod tests {
                 "seed": 7,
                 "frames": 2,
                 "warmup": 2,
-                "choices": { "gather.rasterization": "geometry-shader" },
+                "choices": { "gather.conservative_clusters.rasterization": "geometry-shader" },
                 "timings": { "stages": [named("gbuffer")], "passes": [named("gbuffer/draw")], "total": statistics },
                 "counts": { "gather/vpls": 1024 },
                 "means": { "gather/glossy-listed": 2.5 },

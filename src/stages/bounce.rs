@@ -115,7 +115,7 @@ pub fn most_rounds(vpls: u32, clusters: u32) -> u32 {
 }
 
 impl Choice for Layers {
-    const KEY: &'static str = "bounce.layers";
+    const KEY: &'static str = "bounce.clusters.layers";
 
     fn needs(self) -> Needs {
         use Feature::{ClipDistance, GeometryShader, LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters, Snorm16Images};
@@ -140,11 +140,11 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     }
     let counts = [("vpls.count", facts.vpls), ("bounce.vpls", config.bounce.vpls)];
     for (key, count) in &counts[..if config.bounce.count > 2 { 2 } else { 1 }] {
-        if most_rounds(*count, config.bounce.clusters) == 0 {
+        if most_rounds(*count, config.bounce.clusters.count) == 0 {
             return Err(fail!(
                 BadInput,
                 "{key}: {count} VPLs are too many to be put into {} clusters on every driver; lower either",
-                config.bounce.clusters
+                config.bounce.clusters.count
             ));
         }
     }
@@ -157,8 +157,9 @@ pub fn warnings(config: &Config, vpls: u32) -> Vec<String> {
         return Vec::new();
     }
     let bent = "scene.split: is not set, and the maps of clusters bend the edges of large triangles; 0.02 is a good value";
-    let slow = "bounce.rounds: so many VPLs and clusters have fewer rounds of k-means a frame; clusters may be unsettled for some frames";
-    let few = most_rounds(vpls, config.bounce.clusters) < config.bounce.rounds;
+    let slow =
+        "bounce.clusters.rounds: so many VPLs and clusters have fewer rounds of k-means a frame; clusters may be unsettled for some frames";
+    let few = most_rounds(vpls, config.bounce.clusters.count) < config.bounce.clusters.rounds;
     let warnings = [config.scene.split.is_none().then_some(bent), few.then_some(slow)];
     warnings.into_iter().flatten().map(str::to_owned).collect()
 }
@@ -183,7 +184,7 @@ pub fn propagate(g: &mut Graph, scene: FrameScene<'_>, first: Vpls, wants: &Want
 
 /// Puts VPLs into clusters and renders what these see.
 fn clusters(g: &mut Graph, scene: FrameScene<'_>, vpls: &Vpls, seed: u32, config: &BounceConfig) -> VplClusters {
-    let BounceConfig { clusters: count, map_size, .. } = *config;
+    let (count, map_size) = (config.clusters.count, config.clusters.map_size);
     let far = scene.bounds().size().length();
     let size = [map_size; 2];
     let clusters = VplClusters {
@@ -221,15 +222,15 @@ fn k_means(g: &mut Graph, vpls: &Vpls, clusters: &VplClusters, config: &BounceCo
         .writes("clusters", clusters.clusters)
         .updates("rounds", rounds)
         .updates("unsettled", unsettled)
-        .constant("RESEED", config.centers == Centers::Reseeded)
-        .constant("NEAREST_MEMBER", config.representative == Representative::NearestMember)
+        .constant("RESEED", config.clusters.centers == Centers::Reseeded)
+        .constant("NEAREST_MEMBER", config.clusters.representative == Representative::NearestMember)
         .params(&KMeansParams {
             count: vpls.count,
             clusters: clusters.count,
-            rounds: config.rounds.min(most),
+            rounds: config.clusters.rounds.min(most),
             first_rounds: most,
-            place_weight: config.position_weight / clusters.far,
-            normal_weight: config.normal_weight,
+            place_weight: config.clusters.position_weight / clusters.far,
+            normal_weight: config.clusters.normal_weight,
             seed,
         })
         .dispatch_groups([1, 1, 1]);
@@ -247,7 +248,7 @@ fn draw(g: &mut Graph, scene: FrameScene<'_>, clusters: &VplClusters, config: &B
         layer,
         layers: count,
     };
-    let (shader, group) = match config.layers {
+    let (shader, group) = match config.clusters.layers {
         Layers::GeometryShader => ("bounce/draw-geometry", 8),
         Layers::Instanced => ("bounce/draw", 1),
         Layers::PerLayer => {
@@ -354,6 +355,6 @@ fn sample(g: &mut Graph, clusters: &VplClusters, config: &BounceConfig) -> Vpls 
 
 /// What a user should know who renders a sequence in parts.
 pub fn warning_of_parts(config: &Config) -> Option<String> {
-    let warning = "clusters go on from frame to frame (bounce.centers), and parts of a sequence start anew: where lights move, pictures are not those of the whole sequence";
-    (has_clusters(config) && config.bounce.centers == Centers::Kept).then(|| warning.to_owned())
+    let warning = "clusters go on from frame to frame (bounce.clusters.centers), and parts of a sequence start anew: where lights move, pictures are not those of the whole sequence";
+    (has_clusters(config) && config.bounce.clusters.centers == Centers::Kept).then(|| warning.to_owned())
 }

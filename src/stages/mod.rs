@@ -20,7 +20,7 @@ pub mod wants;
 
 use crate::config::{
     Collect, Config, Culling, FilterKind, GatherMethod, IsmRenderer, Layers, PointSet, Rasterization, Shadows, SsaoMethod,
-    VisibilityMethod, VplSampler,
+    StochasticCulling, VisibilityMethod, VplSampler,
 };
 use crate::scene::Light;
 use anyhow::Result;
@@ -40,6 +40,7 @@ pub fn methods() -> Vec<Method> {
         Method::every::<IsmRenderer>(),
         Method::every::<GatherMethod>(),
         Method::every::<Culling>(),
+        Method::every::<StochasticCulling>(),
         Method::every::<Rasterization>(),
         Method::every::<FilterKind>(),
         Method::every::<Shadows>(),
@@ -53,12 +54,12 @@ pub fn methods() -> Vec<Method> {
 pub fn methods_of(config: &Config) -> Vec<Method> {
     let mut methods = vec![gbuffer::method(), rsm::method(), Method::of(config.vpls.sampler)];
     if bounce::has_clusters(config) {
-        methods.push(Method::of(config.bounce.layers));
+        methods.push(Method::of(config.bounce.clusters.layers));
     }
     methods.push(Method::of(config.visibility.method));
     if visibility::needs_triangles(config) {
         let visibility = &config.visibility;
-        methods.extend([Method::of(visibility.points), Method::of(visibility.collect), Method::of(visibility.renderer)]);
+        methods.extend([Method::of(visibility.ism.points), Method::of(visibility.ism.collect), Method::of(visibility.ism.renderer)]);
     }
     methods.extend(gather::methods(config));
     methods.extend([Method::of(config.filter.kind), Method::of(config.direct.shadows), Method::of(config.ssao.method), compose::method()]);

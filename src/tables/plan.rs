@@ -68,6 +68,8 @@ pub struct Plan {
     /// Index of each cell's run, row by row; meaningless for a cell that needs none.
     of_cell: Vec<Vec<usize>>,
     pub sweep: Sweep,
+    /// What the user should be told of the cells' configs.
+    pub warnings: Vec<String>,
 }
 
 impl Plan {
@@ -77,16 +79,16 @@ impl Plan {
     /// `BadInput` with file, line and key for a cell's bad config.
     pub fn of(table: &Table, sweep: &Sweep) -> Result<Self> {
         let mut all: Vec<Run> = Vec::new();
+        let mut warnings = Vec::new();
         let mut of_cell = vec![vec![0; table.columns.len()]; table.rows.len()];
         for (row, column) in table.places() {
             let (of_row, of_column) = (&table.rows[row], &table.columns[column]);
             let sets: Vec<_> = [&table.original, &table.set, &of_row.set, &of_column.set].into_iter().flatten().collect();
             let walks = matches!(table.measure(row, column).what, What::Flicker { .. });
-            let config = table
-                .base
-                .with(&sets, &sweep.sets)
-                .map(|config| sweep.apply(config, walks))
-                .with_context(|| format!("row {:?}, column {:?}", of_row.name, of_column.name))?;
+            let loaded = table.base.with(&sets, &sweep.sets);
+            let loaded = loaded.with_context(|| format!("row {:?}, column {:?}", of_row.name, of_column.name))?;
+            warnings.extend(loaded.warnings);
+            let config = sweep.apply(loaded.config, walks);
             let key = hash(&portable(&config));
             of_cell[row][column] = all.iter().position(|run| run.key == key).unwrap_or_else(|| {
                 let set = |lines: &[super::Line]| lines.iter().any(|line| line.set.is_some());
@@ -125,7 +127,10 @@ impl Plan {
             .collect();
         of_cell.iter_mut().flatten().for_each(|run| *run = places[*run]);
         tell_apart(&mut runs);
-        Ok(Self { runs, of_cell, sweep: sweep.clone() })
+        // Cells of a line share what it says.
+        let mut told = BTreeSet::new();
+        warnings.retain(|warning: &String| told.insert(warning.clone()));
+        Ok(Self { runs, of_cell, sweep: sweep.clone(), warnings })
     }
 
     /// The run of a cell. The cell must not be a ratio, unless another cell is measured against it.

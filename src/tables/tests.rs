@@ -60,6 +60,7 @@ fn every_table_that_comes_with_the_program_can_be_read_and_planned() {
         let table = read(text, &Path::new(name).with_extension("toml"), None).unwrap_or_else(|error| panic!("{error:#}"));
         let plan = Plan::of(&table, &Sweep { scale: 0.25, quick: true, sets: Vec::new() }).unwrap_or_else(|error| panic!("{error:#}"));
         assert!(!plan.runs.is_empty(), "{name}");
+        assert_eq!(plan.warnings, Vec::<String>::new(), "{name}");
         assert!(!presets::title(text).is_empty(), "{name}: says nothing of itself in manylight list");
     }
 }

@@ -197,7 +197,7 @@ mod tests {
     }
 
     fn parse(text: &str) -> Config {
-        config::parse(text, Path::new("x.toml"), &[]).unwrap()
+        config::parse(text, Path::new("x.toml"), &[]).unwrap().config
     }
 
     /// A camera of its own, a light of its own, and one triangle from (-1, 0, -2) to (3, 4, 2).

@@ -66,7 +66,7 @@ fn the_second_bounce_carries_the_flux_that_its_clusters_reflect() {
         (1, Pattern::Box, Shares::Equal),
     ] {
         config.bounce.shares = shares;
-        config.bounce.clusters = count_of_clusters;
+        config.bounce.clusters.count = count_of_clusters;
         config.bounce.pattern = pattern;
         let rendered = dump(&mut renderer, &config, 0, &["vpls/hammersley", "bounce/k-means", "bounce/sample"]);
         let first: DVec3 = intensities(&rendered, "vpls/intensities").into_iter().sum::<DVec3>() * PI;
@@ -129,7 +129,7 @@ fn two_bounces_in_an_empty_box_are_the_path_tracers() {
     let (scene, mut config) = closed_box(DVec3::new(0.6, 0.5, 0.3));
     config.vpls.count = 1024;
     config.bounce.vpls = 4096;
-    config.bounce.clusters = 32;
+    config.bounce.clusters.count = 32;
     let mut renderer = traced(scene);
     let sums = reference(&mut renderer, &config, centered(2), 192);
     let (first, second) = (sums.mean(Sum::Bounce(1)), sums.mean(Sum::Bounce(2)));
@@ -161,7 +161,7 @@ fn a_third_bounce_is_the_second_step_again() {
     let (scene, mut config) = closed_box(DVec3::splat(0.7));
     config.vpls.count = 1024;
     config.bounce.vpls = 2048;
-    config.bounce.clusters = 32;
+    config.bounce.clusters.count = 32;
     config.bounce.count = 3;
     let mut renderer = traced(scene);
     let rendered = dump(&mut renderer, &config, 0, &["bounce/sample", "bounce/sample#2"]);
@@ -188,9 +188,9 @@ fn every_vpl_is_in_the_cluster_nearest_to_it() {
         (32, 1000, Representative::Mean),
         (64, 16, Representative::Mean),
     ] {
-        config.bounce.clusters = count_of_clusters;
+        config.bounce.clusters.count = count_of_clusters;
         config.vpls.count = vpls;
-        config.bounce.representative = representative;
+        config.bounce.clusters.representative = representative;
         let rendered = dump(&mut renderer, &config, 0, &["vpls/hammersley", "bounce/k-means"]);
         let points: Vec<VplPlace> = pod_collect_to_vec(dumped(&rendered, "vpls/places"));
         let lit: Vec<bool> = intensities(&rendered, "vpls/intensities").iter().map(|i| i.max_element() > 0.0).collect();
@@ -262,11 +262,11 @@ fn maps_are_the_same_however_their_layers_are_filled() {
     config.frame.size = [96, 54];
     config.bounce.count = 2;
     // 11 is no multiple of the layers per instance of the geometry shader.
-    config.bounce.clusters = 11;
-    config.bounce.map_size = 64;
+    config.bounce.clusters.count = 11;
+    config.bounce.clusters.map_size = 64;
     let mut renderer = renderer(load_scene(&scene).unwrap().0);
     let mut filled = DRAWS.map(|(layers, pass)| {
-        config.bounce.layers = layers;
+        config.bounce.clusters.layers = layers;
         maps(&dump(&mut renderer, &config, 0, &[pass]))
     });
     let there = filled[0].0.iter().filter(|d| **d < 1.0).count();
@@ -288,12 +288,12 @@ fn maps_hold_the_distances_normals_and_colours_that_rays_find() {
     let albedos = [0.8, 0.1, 0.6, 0.9, 0.3, 0.5].map(DVec3::splat);
     let walls = walls(SIZE, albedos);
     let (_, mut config) = closed_box(DVec3::ONE);
-    config.bounce.clusters = 3;
+    config.bounce.clusters.count = 3;
     let mut renderer = renderer(split_room(&walls));
     let rendered = dump(&mut renderer, &config, 0, &["bounce/k-means", "bounce/draw"]);
     let clusters = clusters(&rendered);
     let (distances, normals, colors) = maps(&rendered);
-    let size = config.bounce.map_size as usize;
+    let size = config.bounce.clusters.map_size as usize;
     let (mut worst, mut wrong, mut all) = (0.0f64, 0, 0);
     for (j, cluster) in clusters.iter().enumerate() {
         let n = octahedral_snorm16_inverse(cluster.normal);
@@ -360,7 +360,7 @@ fn a_board_of_two_triangles_looks_as_one_of_many_once_it_is_split() {
     let mut config = plain([16, 16], Vec3::new(0.0, 3.0, 8.0), Vec3::new(0.0, 3.0, 0.0), 60.0, light);
     config.vpls.count = 16;
     config.bounce.count = 2;
-    config.bounce.clusters = 1;
+    config.bounce.clusters.count = 1;
     let shown = |scene: Scene| {
         let mut renderer = renderer(scene);
         let rendered = dump(&mut renderer, &config, 0, &["bounce/draw"]);
@@ -371,7 +371,7 @@ fn a_board_of_two_triangles_looks_as_one_of_many_once_it_is_split() {
     let mut split = board(1);
     split.split_triangles(0.02);
     let split = shown(split);
-    let size = config.bounce.map_size as i32;
+    let size = config.bounce.clusters.map_size as i32;
     let there = |map: &[f32], x: i32, y: i32| (0..size).contains(&x) && (0..size).contains(&y) && map[(y * size + x) as usize] < 1.0;
     // Number of texels covered in map `a` without a covered neighbour in map `b`.
     let beyond = |a: &[f32], b: &[f32]| {
@@ -398,7 +398,7 @@ fn a_cluster_of_one_vpl_sees_what_rays_see() {
     config.frame.size = [160, 90];
     config.vpls.count = 24;
     config.rsm.size = [128, 128];
-    config.bounce.clusters = 64;
+    config.bounce.clusters.count = 64;
     config.gather.interleave = 1;
     config.filter.kind = FilterKind::None;
     let mut renderer = traced(load_scene(&scene).unwrap().0);
@@ -444,7 +444,7 @@ fn a_still_scene_is_still_and_its_bytes_repeat() {
         assert_eq!(count(&rendered, "bounce/rounds"), 1, "frame {frame}");
     }
     let mut other = config.clone();
-    other.bounce.clusters = 7;
+    other.bounce.clusters.count = 7;
     picture(&mut renderer, &other);
     assert!(picture(&mut renderer, &config).radiance.values == first, "what was rendered before shows");
     finish(renderer.gpu());
@@ -454,14 +454,14 @@ fn a_still_scene_is_still_and_its_bytes_repeat() {
 fn clusters_that_are_kept_flicker_less_than_ones_seeded_anew() {
     let (scene, mut config) = small_atrium();
     let walk = manylight::config::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/configs/atrium-walk.toml")), &[]);
-    config.camera = walk.unwrap_or_else(|error| panic!("{error:#}")).camera;
+    config.camera = walk.unwrap_or_else(|error| panic!("{error:#}")).config.camera;
     config.frame.count = 20;
-    config.gather.emitters = Emitters::Disks;
+    config.gather.per_pixel.emitters = Emitters::Disks;
     // The pattern of interleaving would flicker whatever clusters do.
     config.gather.interleave = 1;
     let mut renderer = renderer(scene);
     let mut flicker = |centers| {
-        config.bounce.centers = centers;
+        config.bounce.clusters.centers = centers;
         let walk = flicker_of_walk(&mut renderer, &config, Intensity::Irradiance, None, &Execution::default(), &mut |_| Ok(()));
         walk.unwrap_or_else(|error| panic!("{error:#}")).flicker.flicker
     };
@@ -576,12 +576,12 @@ fn the_preset_is_nearer_to_two_bounces_than_one_bounce_of_linkes() {
         let path = folder.path().join("sponza.toml");
         let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(preset);
         std::fs::write(&path, format!("base = {:?}\n{scene}", base.display().to_string())).unwrap();
-        manylight::config::load(&path, &["frame.size=[160,90]".to_owned()]).unwrap_or_else(|error| panic!("{error:#}"))
+        manylight::config::load(&path, &["frame.size=[160,90]".to_owned()]).unwrap_or_else(|error| panic!("{error:#}")).config
     };
     let builtin = |name: &str, preset: &str| {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(preset);
         let sets = [format!("scene.builtin={name}"), "frame.size=[160,90]".to_owned()];
-        manylight::config::load(&path, &sets).unwrap_or_else(|error| panic!("{error:#}"))
+        manylight::config::load(&path, &sets).unwrap_or_else(|error| panic!("{error:#}")).config
     };
     let mut cases: Vec<_> = ["cornell", "atrium"]
         .map(|name| {
@@ -696,7 +696,7 @@ fn a_roofs_light_does_not_go_on_from_the_courts_clusters() {
     let mut renderer = renderer(scene);
     let cosine = f64::from(Vec3::new(0.3, -1.0, 0.2).normalize().y.abs());
     for clusters in [1, 2, 8] {
-        config.bounce.clusters = clusters;
+        config.bounce.clusters.count = clusters;
         for seed in 0..4 {
             config.frame.seed = seed;
             let rendered = dump(&mut renderer, &config, 0, &["bounce/sample"]);
@@ -722,12 +722,12 @@ fn what_lies_just_above_a_large_triangle_hides_it() {
     let mut config = plain([16, 16], Vec3::new(0.0, 3.0, 8.0), Vec3::new(0.0, 3.0, 0.0), 60.0, light);
     config.vpls.count = 16;
     config.bounce.count = 2;
-    config.bounce.clusters = 1;
+    config.bounce.clusters.count = 1;
     let mut renderer = renderer(scene);
     let rendered = dump(&mut renderer, &config, 0, &["bounce/k-means", "bounce/draw"]);
     let place = Vec3::from(clusters(&rendered)[0].position);
     let (distances, _, colors) = maps(&rendered);
-    let size = config.bounce.map_size as usize;
+    let size = config.bounce.clusters.map_size as usize;
     let (mut card, mut other) = (0, 0);
     for t in 0..size * size {
         let p = (Vec2::new((t % size) as f32, (t / size) as f32) + 0.5) * (2.0 / size as f32) - 1.0;
@@ -753,10 +753,10 @@ fn what_lies_just_above_a_large_triangle_hides_it() {
 fn three_bounces_go_with_every_way_to_fill_the_layers() {
     let (scene, mut config) = closed_box(DVec3::splat(0.5));
     config.bounce.count = 3;
-    config.bounce.map_size = 64;
+    config.bounce.clusters.map_size = 64;
     let mut renderer = renderer(scene);
     let lit = DRAWS.map(|(layers, _)| {
-        config.bounce.layers = layers;
+        config.bounce.clusters.layers = layers;
         let rendered = dump(&mut renderer, &config, 0, &[]);
         (count(&rendered, "bounce/lit"), count(&rendered, "bounce/lit#2"))
     });

@@ -21,7 +21,7 @@ fn config(size: [u32; 2], position: [f32; 3], target: [f32; 3]) -> Config {
 
 fn culled(renderer: &mut Renderer, config: &Config, culling: Culling) -> Plane {
     let mut config = config.clone();
-    config.gather.culling = culling;
+    config.gather.per_pixel.culling = culling;
     picture(renderer, &config).irradiance
 }
 
@@ -62,7 +62,7 @@ fn culling_never_changes_the_picture_whatever_the_view_and_the_block() {
     for method in [VisibilityMethod::RayTraced, VisibilityMethod::ImperfectShadowMaps] {
         let mut config = config([150, 83], [-8.2, 1.9, -6.2], [0.0, 2.2, -5.4]);
         config.visibility.method = method;
-        config.visibility.point_count = 50_000;
+        config.visibility.ism.point_count = 50_000;
         for interleave in [2, 4] {
             config.gather.interleave = interleave;
             same(&mut renderer, &config, &format!("{method:?}, {interleave}x{interleave}"));
@@ -92,7 +92,7 @@ fn culling_never_changes_the_picture_whatever_the_count_and_the_lights() {
 /// Lengths of the parts of used froxels' light lists, and the number of these froxels.
 fn lists(renderer: &mut Renderer, config: &Config) -> (Vec<u32>, usize) {
     let mut config = config.clone();
-    config.gather.culling = Culling::Clustered;
+    config.gather.per_pixel.culling = Culling::Clustered;
     let rendered = dump(renderer, &config, 0, &["gather/light-lists"]);
     let lists: Vec<u32> = words(dumped(&rendered, "gather/lists")).collect();
     let used = count(&rendered, "gather/used-froxels") as usize;
@@ -132,7 +132,7 @@ fn without_interleaving_every_pixel_gathers_every_vpl() {
     config.gather.interleave = 1;
     config.vpls.count = 300;
     for culling in [Culling::None, Culling::Tiled, Culling::Clustered] {
-        config.gather.culling = culling;
+        config.gather.per_pixel.culling = culling;
         let rendered = dump(&mut renderer, &config, 0, &["vpls/regular"]);
         let floats = |name: &str| -> Vec<f32> { words(dumped(&rendered, name)).map(f32::from_bits).collect() };
         let (points, intensities) = (floats("vpls/places"), floats("vpls/intensities"));

@@ -68,8 +68,8 @@ fn the_map_of_a_sphere_has_no_hole_and_the_spheres_radius() {
             let mut config = plain([16, 16], Vec3::new(0.0, 0.5, 1.5), Vec3::ZERO, 60.0, light);
             config.vpls.count = 1;
             maps_of_points(&mut config);
-            config.visibility.points = points;
-            config.visibility.point_count = 80_000;
+            config.visibility.ism.points = points;
+            config.visibility.ism.point_count = 80_000;
             let mut renderer = renderer(scene);
             let rendered = dump(&mut renderer, &config, 0, &["visibility/push-0"]);
             let far = renderer.world().device().bounds.size().length();
@@ -102,8 +102,8 @@ fn slanted(normals: bool) -> (f32, f32) {
     let mut config = plain([16, 16], Vec3::new(0.0, 0.5, 1.5), Vec3::ZERO, 60.0, light);
     config.vpls.count = 1;
     maps_of_points(&mut config);
-    config.visibility.point_count = 20_000;
-    config.visibility.normals = normals;
+    config.visibility.ism.point_count = 20_000;
+    config.visibility.ism.normals = normals;
     let mut renderer = renderer(scene);
     let rendered = dump(&mut renderer, &config, 0, &["visibility/push-0"]);
     let far = renderer.world().device().bounds.size().length();
@@ -144,7 +144,7 @@ fn builtin(builtin: Builtin) -> (Scene, Config) {
     config.frame.size = [160, 90];
     config.vpls.count = 256;
     maps_of_points(&mut config);
-    config.visibility.point_count = 326_000 / 4;
+    config.visibility.ism.point_count = 326_000 / 4;
     (load_scene(&scene).unwrap().0, config)
 }
 
@@ -159,9 +159,9 @@ fn bytes_repeat_whatever_the_points_and_the_renderer() {
         (PointSet::Uniform, Collect::Compute, IsmRenderer::Splat),
     ] {
         let mut config = config.clone();
-        (config.visibility.points, config.visibility.collect, config.visibility.renderer) = (points, collect, kind);
+        (config.visibility.ism.points, config.visibility.ism.collect, config.visibility.ism.renderer) = (points, collect, kind);
         // With normals, points may tie, and their order could show.
-        config.visibility.normals = points == PointSet::Adaptive;
+        config.visibility.ism.normals = points == PointSet::Adaptive;
         let pass = if kind == IsmRenderer::Splat { "visibility/splat-distances" } else { "visibility/push-0" };
         let mut frame = |i| {
             let rendered = dump(&mut renderer, &config, i, &[pass]);
@@ -222,7 +222,7 @@ fn light_is_as_much_as_with_exact_visibility() {
         let mut errors = Vec::new();
         for (points, kind, tolerance) in methods {
             let mut config = config.clone();
-            (config.visibility.points, config.visibility.renderer) = (points, kind);
+            (config.visibility.ism.points, config.visibility.ism.renderer) = (points, kind);
             let (relmse, energy) = against_rays(&mut renderer, &config, &truth, 2);
             println!(
                 "{scene:?} {points:?} {kind:?}: relmse {relmse:.5}, energy {energy:.4}; without shadows {unshadowed:.5}, {without:.4}"
@@ -247,12 +247,12 @@ fn single_pixels_of_adaptive_points_err_half_as_much_as_splats_at_most() {
     config.frame.size = [240, 135];
     maps_of_points(&mut config);
     config.vpls.count = 1024;
-    config.visibility.point_count = 326_000;
+    config.visibility.ism.point_count = 326_000;
     let mut renderer = traced(load_scene(&config.scene).unwrap().0);
     let truth = truth(&mut renderer, &config);
     let mut error = |points, kind| {
         let mut config = config.clone();
-        (config.visibility.points, config.visibility.renderer) = (points, kind);
+        (config.visibility.ism.points, config.visibility.ism.renderer) = (points, kind);
         against_rays(&mut renderer, &config, &truth, 1).0
     };
     let adaptive = error(PointSet::Adaptive, IsmRenderer::SinglePixel);
@@ -271,16 +271,16 @@ fn more_points_and_then_larger_maps_are_nearer_to_exact_visibility() {
     let base = 326_000 * 64 / 1024;
     let mut errors = Vec::new();
     for times in [1, 4, 16] {
-        config.visibility.point_count = base * times;
+        config.visibility.ism.point_count = base * times;
         errors.push(against_rays(&mut renderer, &config, &truth, 3).0);
     }
     println!("points x1, x4, x16: {errors:?}");
     assert!(errors[0] > errors[1] && errors[1] > errors[2], "points x1, x4, x16: {errors:?}");
     // A map of four times as many texels needs four times as many points; otherwise the points limit the error.
-    config.visibility.point_count = base * 128;
+    config.visibility.ism.point_count = base * 128;
     let mut errors = Vec::new();
     for size in [32, 64, 128] {
-        config.visibility.map_size = size;
+        config.visibility.ism.map_size = size;
         errors.push(against_rays(&mut renderer, &config, &truth, 3).0);
     }
     println!("maps of 32, 64, 128: {errors:?}");
@@ -318,7 +318,7 @@ fn drape() -> (Scene, Config) {
     config.rsm.size = [128, 128];
     config.gather.min_distance = 0.3;
     maps_of_points(&mut config);
-    config.visibility.point_count = 326_000 / 4;
+    config.visibility.ism.point_count = 326_000 / 4;
     (scene, config)
 }
 
@@ -330,7 +330,7 @@ fn adaptive_points_hold_light_back_that_shines_from_right_behind_a_drape() {
     let mut found = Vec::new();
     // Points are compared at equal numbers in total and, with one map per point, at equal numbers drawn.
     for (points, collected) in [(PointSet::Uniform, None), (PointSet::Adaptive, None), (PointSet::Adaptive, Some(1))] {
-        (config.visibility.points, config.visibility.collected) = (points, collected);
+        (config.visibility.ism.points, config.visibility.ism.collected) = (points, collected);
         let (relmse, energy) = against_rays(&mut renderer, &config, &truth, 3);
         println!("{points:?} {collected:?}: relmse {relmse:.6}, energy {energy:.3}");
         found.push((relmse, (energy - 1.0).abs()));
@@ -345,7 +345,7 @@ fn adaptive_points_hold_light_back_that_shines_from_right_behind_a_drape() {
 fn a_full_partition_is_counted_told_of_and_drawn_by_nobody() {
     let (host, mut config) = builtin(Builtin::Cornell);
     let mut renderer = renderer(host);
-    config.visibility.capacity = Some(320);
+    config.visibility.ism.capacity = Some(320);
     let mut frame = || dump(&mut renderer, &config, 0, &["visibility/push-0"]);
     let (first, second) = (frame(), frame());
     let count = |name: &str| count(&first, name);
@@ -353,7 +353,7 @@ fn a_full_partition_is_counted_told_of_and_drawn_by_nobody() {
     assert_eq!(first.counts, second.counts);
     assert_eq!(dumped(&first, "visibility/maps"), dumped(&second, "visibility/maps"));
     let [warning] = first.warnings().try_into().unwrap();
-    assert!(warning.contains("visibility.capacity") && warning.contains(&count("visibility/dropped-points").to_string()), "{warning}");
+    assert!(warning.contains("visibility.ism.capacity") && warning.contains(&count("visibility/dropped-points").to_string()), "{warning}");
     finish(renderer.gpu());
 }
 
@@ -361,10 +361,10 @@ fn a_full_partition_is_counted_told_of_and_drawn_by_nobody() {
 fn the_maps_take_no_more_memory_than_the_thesiss() {
     let (host, mut config) = builtin(Builtin::Cornell);
     config.vpls.count = 1024;
-    config.visibility.point_count = 326_000;
+    config.visibility.ism.point_count = 326_000;
     let mut renderer = renderer(host);
     for points in [PointSet::Uniform, PointSet::Adaptive] {
-        config.visibility.points = points;
+        config.visibility.ism.points = points;
         let rendered = renderer.render(&config, 0, false, &Execution::default()).unwrap();
         assert!(rendered.warnings().is_empty(), "{:?}", rendered.warnings());
         let bytes = Memory::of(&rendered.memory).stages["visibility"];

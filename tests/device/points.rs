@@ -32,14 +32,14 @@ impl Point {
 fn config(points: u32) -> Config {
     let mut config = plain([64, 36], Vec3::new(0.1, 1.0, 0.2), Vec3::new(0.3, 0.9, -1.0), 60.0, directional(Vec3::NEG_Y, [1.0; 3]));
     config.visibility.method = VisibilityMethod::ImperfectShadowMaps;
-    config.visibility.point_count = points;
-    config.visibility.map_size = 16;
+    config.visibility.ism.point_count = points;
+    config.visibility.ism.map_size = 16;
     config.vpls.count = 64;
     config
 }
 
 fn points(renderer: &mut Renderer, config: &Config) -> Vec<Point> {
-    let pass = match config.visibility.collect {
+    let pass = match config.visibility.ism.collect {
         Collect::Compute => "visibility/points-computed",
         Collect::Tessellation => "visibility/points-tessellated",
     };
@@ -61,7 +61,7 @@ fn points(renderer: &mut Renderer, config: &Config) -> Vec<Point> {
 /// The pool of points that adaptive maps draw from, without its empty places, and the points drawn for the VPLs' maps.
 fn pool(renderer: &mut Renderer, config: &Config) -> (Vec<Point>, Vec<Point>) {
     let mut config = config.clone();
-    config.visibility.points = PointSet::Adaptive;
+    config.visibility.ism.points = PointSet::Adaptive;
     let rendered = dump(renderer, &config, 0, &["visibility/pool-scan", "visibility/pool-points", "visibility/points-adaptive"]);
     let point = |p: &[u32]| Point { position: Vec3::from_array([p[0], p[1], p[2]].map(f32::from_bits)), packed: p[3], partition: 0 };
     let words = |name: &str| words(dumped(&rendered, name)).collect::<Vec<u32>>();
@@ -101,7 +101,7 @@ fn both_ways_of_collecting_make_the_same_points() {
         let mut renderer = renderer(scene);
         let mut config = config(count);
         let mut sets = [Collect::Compute, Collect::Tessellation].map(|collect| {
-            config.visibility.collect = collect;
+            config.visibility.ism.collect = collect;
             let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
             let points = points(&mut renderer, &config);
             points.iter().for_each(|point| *counts.entry(point.partition).or_default() += 1);
@@ -135,7 +135,7 @@ fn small_triangles_are_thinned_for_adaptive_points_as_for_uniform_ones() {
         bits
     };
     let counts = [false, true].map(|thin| {
-        config.visibility.thin = thin;
+        config.visibility.ism.thin = thin;
         let uniform = points(&mut renderer, &config);
         let (pool, drawn) = pool(&mut renderer, &config);
         assert_eq!(sorted(&uniform), sorted(&pool), "thinned: {thin}");

@@ -3,8 +3,8 @@
 use crate::common::*;
 use glam::{Affine3A, DVec3, Vec2, Vec3};
 use manylight::config::{
-    Bounds, Builtin, Config, Culling, Dielectric, Rasterization, Receiver, Reflection, RouletteChoice, SceneConfig, VisibilityMethod,
-    VplSampler,
+    Bounds, Builtin, Config, Dielectric, GatherMethod, Rasterization, Receiver, Reflection, RouletteChoice, SceneConfig, StochasticCulling,
+    VisibilityMethod, VplSampler,
 };
 use manylight::gpu::Format;
 use manylight::graph::{Engine, Execution, Graph, Library};
@@ -36,8 +36,8 @@ fn stochastic(config: &mut Config) {
     config.vpls.sampler = VplSampler::EveryTexel;
     config.vpls.reflection = Reflection::Both;
     config.gather.interleave = 4;
-    config.gather.culling = Culling::StochasticTiled;
-    config.gather.delta = 0.01;
+    (config.gather.method, config.gather.stochastic.culling) = (GatherMethod::Stochastic, StochasticCulling::Tiled);
+    config.gather.stochastic.delta = 0.01;
     config.gather.min_distance = 0.05;
     config.filter.kind = manylight::config::FilterKind::None;
 }
@@ -46,7 +46,7 @@ fn stochastic(config: &mut Config) {
 fn exact(config: &mut Config) {
     config.gather.interleave = 1;
     config.gather.min_distance = 0.0;
-    config.gather.delta = 1e-6;
+    config.gather.stochastic.delta = 1e-6;
     config.visibility.method = VisibilityMethod::RayTraced;
 }
 
@@ -88,27 +88,27 @@ fn culling_loses_nothing_whatever_bounds_it_by_and_whoever_culls() {
         let (scene, mut config) = metal(roughness);
         config.materials.dielectric = dielectric;
         let mut renderer = renderer(scene);
-        config.gather.bounds = Bounds::None;
+        config.gather.stochastic.bounds = Bounds::None;
         let every = irradiance(&mut renderer, &config);
         assert!(every.iter().filter(|e| e.max_element() > 0.0).count() > every.len() / 2);
         for bounds in [Bounds::Ellipsoid, Bounds::SphereEllipsoid, Bounds::SphereVpl] {
-            config.gather.bounds = bounds;
+            config.gather.stochastic.bounds = bounds;
             assert!(irradiance(&mut renderer, &config) == every, "{bounds:?} bounds lose light at roughness {roughness}");
         }
-        config.gather.bounds = Bounds::Ellipsoid;
-        for culling in [Culling::Splatting, Culling::ConservativeClusters] {
-            config.gather.culling = culling;
+        config.gather.stochastic.bounds = Bounds::Ellipsoid;
+        for culling in [StochasticCulling::Splatting, StochasticCulling::ConservativeClusters] {
+            config.gather.stochastic.culling = culling;
             let rendered = render(&mut renderer, &config, 0);
             let found: Vec<Vec3> = rendered.picture.as_ref().unwrap().irradiance.rgb().collect();
             let pixels = apart(&found, &every);
             assert!(pixels == 0, "{culling:?} differs in {pixels} pixels at roughness {roughness}");
-            if culling == Culling::ConservativeClusters {
+            if culling == StochasticCulling::ConservativeClusters {
                 assert!(count(&rendered, "gather/lost") == 0 && count(&rendered, "gather/nodes") > 10_000);
             }
         }
         let by_extension = renderer.gpu().adapter.missing(CONSERVATIVE).is_empty();
         let way = if by_extension { "extension" } else { "geometry-shader" };
-        assert_eq!(renderer.choices(&config), BTreeMap::from([("gather.rasterization", way.into())]));
+        assert_eq!(renderer.choices(&config), BTreeMap::from([("gather.conservative_clusters.rasterization", way.into())]));
         if !by_extension {
             // Written directly, since the test harness hides the printed output of passing tests.
             writeln!(std::io::stderr(), "SKIPPED in part: {} does not rasterize conservatively by itself", renderer.gpu().adapter.name)
@@ -117,7 +117,7 @@ fn culling_loses_nothing_whatever_bounds_it_by_and_whoever_culls() {
             continue;
         }
         let mut by = |rasterization| {
-            config.gather.rasterization = rasterization;
+            config.gather.conservative_clusters.rasterization = rasterization;
             assert!(renderer.choices(&config).is_empty());
             let rendered = render(&mut renderer, &config, 0);
             (rendered.picture.as_ref().unwrap().irradiance.rgb().collect::<Vec<Vec3>>(), count(&rendered, "gather/nodes"))
@@ -244,19 +244,19 @@ fn the_extensions_shaders_mark_what_the_geometry_shader_does() {
 #[test]
 fn lists_are_shorter_than_all_lights_lose_none_and_repeat_their_bytes() {
     let (scene, mut config) = metal(0.1);
-    config.gather.statistics = true;
+    config.gather.stochastic.statistics = true;
     config.vpls.reflection = Reflection::Glossy;
     let mut renderer = renderer(scene);
     let rendered = render(&mut renderer, &config, 0);
     let again = render(&mut renderer, &config, 0);
     assert!(rendered.picture.unwrap().irradiance.values == again.picture.as_ref().unwrap().irradiance.values);
-    config.gather.bounds = Bounds::None;
+    config.gather.stochastic.bounds = Bounds::None;
     let every = render(&mut renderer, &config, 0);
     assert_eq!(count(&again, "gather/glossy-lit"), count(&every, "gather/glossy-lit"));
     assert!(count(&again, "gather/glossy-listed") < count(&every, "gather/glossy-listed"));
     assert_eq!(count(&again, "gather/diffuse-listed"), 0);
-    config.gather.bounds = Bounds::Ellipsoid;
-    config.gather.culling = Culling::ConservativeClusters;
+    config.gather.stochastic.bounds = Bounds::Ellipsoid;
+    config.gather.stochastic.culling = StochasticCulling::ConservativeClusters;
     assert_eq!(count(&render(&mut renderer, &config, 0), "gather/glossy-lit"), count(&every, "gather/glossy-lit"));
     finish(renderer.gpu());
 }
@@ -265,16 +265,16 @@ fn lists_are_shorter_than_all_lights_lose_none_and_repeat_their_bytes() {
 fn ellipsoids_list_a_tenth_of_the_wrong_vpls_that_spheres_around_vpls_list() {
     for roughness in [0.02, 0.05, 0.1] {
         let (scene, mut config) = metal(roughness);
-        config.gather.statistics = true;
+        config.gather.stochastic.statistics = true;
         // A tile covers as large a part of the picture as the preset's at 1920 x 1080, and a pixel has as many VPLs, of four
         // times the flux.
         config.frame.size = [960, 540];
         config.rsm.size = [128, 128];
-        config.gather.delta = 0.004;
+        config.gather.stochastic.delta = 0.004;
         config.vpls.reflection = Reflection::Glossy;
         let mut renderer = renderer(scene);
         let mut wrong = |bounds| {
-            config.gather.bounds = bounds;
+            config.gather.stochastic.bounds = bounds;
             let rendered = render(&mut renderer, &config, 0);
             let listed = count(&rendered, "gather/glossy-listed");
             (listed - count(&rendered, "gather/glossy-lit"), listed, count(&rendered, "gather/pixels"))
@@ -302,7 +302,7 @@ fn chance_takes_no_light_away_on_average_and_clamped_ranges_do() {
     config.rsm.size = [32, 32];
     config.gather.interleave = 1;
     // With a larger delta, rare lights would not occur in so many realisations, and their variance would be unknown.
-    config.gather.delta = 0.005;
+    config.gather.stochastic.delta = 0.005;
     let mut renderer = renderer(scene);
     const REALISATIONS: u32 = 256;
     let mut sums = vec![[DVec3::ZERO; 2]; 64 * 36];
@@ -313,9 +313,9 @@ fn chance_takes_no_light_away_on_average_and_clamped_ranges_do() {
             *sum = [sum[0] + e, sum[1] + e * e];
         }
     }
-    config.gather.roulette = RouletteChoice::None;
+    config.gather.stochastic.roulette = RouletteChoice::None;
     let clamped = irradiance(&mut renderer, &config);
-    config.gather.delta = 1e-6;
+    config.gather.stochastic.delta = 1e-6;
     let full = irradiance(&mut renderer, &config);
     let n = f64::from(REALISATIONS);
     let (mut inside, mut all, mut variances, mut squares) = (0, 0, 0.0, 0.0);
@@ -401,7 +401,7 @@ fn a_wall_of_plastic_lights_a_box_as_the_path_tracer_says() {
         exact(&mut config);
         config.materials.dielectric = Dielectric::Ggx;
         config.vpls.reflection = reflection;
-        config.gather.receiver = Receiver::Ggx;
+        config.gather.stochastic.receiver = Receiver::Ggx;
         let mut renderer = traced(scene);
         let away = |x| away_from_edges(x, SIZE);
         let expected = light_of_paths(&mut renderer, &config, 512, away);
@@ -459,8 +459,8 @@ fn all_vpls_that_one_pixel_may_have_shine_on_it() {
     config.rsm.size = [141, 141];
     stochastic(&mut config);
     config.gather.interleave = 1;
-    config.gather.delta = 1e-6;
-    config.gather.statistics = true;
+    config.gather.stochastic.delta = 1e-6;
+    config.gather.stochastic.statistics = true;
     let mut renderer = renderer(scene);
     let both = render(&mut renderer, &config, 0);
     let [pixels, diffuse, glossy] = ["pixels", "diffuse-lit", "glossy-lit"].map(|name| count(&both, &format!("gather/{name}")));
@@ -480,12 +480,12 @@ fn all_vpls_that_one_pixel_may_have_shine_on_it() {
 #[test]
 fn light_lists_that_are_cut_short_say_how_much_is_lost() {
     let (scene, mut config) = metal(0.1);
-    config.gather.culling = Culling::ConservativeClusters;
+    config.gather.stochastic.culling = StochasticCulling::ConservativeClusters;
     let mut renderer = renderer(scene);
     let whole = render(&mut renderer, &config, 0);
     assert!(whole.warnings().is_empty());
     let all = count(&whole, "gather/nodes");
-    config.gather.nodes = all as u32 / 2;
+    config.gather.conservative_clusters.nodes = all as u32 / 2;
     let cut = render(&mut renderer, &config, 0);
     assert_eq!(count(&cut, "gather/nodes"), all);
     assert_eq!(count(&cut, "gather/lost"), all - all / 2);
@@ -510,7 +510,7 @@ fn a_floor_of_rough_metal_reflects_vpls_as_the_path_tracer_says() {
     config.rsm.size = [128, 128];
     stochastic(&mut config);
     exact(&mut config);
-    config.gather.receiver = Receiver::Ggx;
+    config.gather.stochastic.receiver = Receiver::Ggx;
     let mut renderer = traced(scene);
     let on_metal = |x: DVec3| x.y < 0.01 && x.z > 0.4;
     assert!(picture(&mut renderer, &config).positions().iter().filter(|x| on_metal(x.as_dvec3())).count() > 500);
@@ -533,13 +533,13 @@ fn nothing_is_lost_at_any_interleaving_odd_size_and_light() {
         config.gather.interleave = interleave;
         config.light = lights;
         config.rsm.size = [32, 24];
-        config.gather.culling = Culling::StochasticTiled;
-        config.gather.bounds = Bounds::None;
+        (config.gather.method, config.gather.stochastic.culling) = (GatherMethod::Stochastic, StochasticCulling::Tiled);
+        config.gather.stochastic.bounds = Bounds::None;
         let every = irradiance(&mut renderer, &config);
-        config.gather.bounds = Bounds::Ellipsoid;
+        config.gather.stochastic.bounds = Bounds::Ellipsoid;
         assert!(irradiance(&mut renderer, &config) == every, "{size:?} by {interleave} loses light");
-        for culling in [Culling::Splatting, Culling::ConservativeClusters] {
-            config.gather.culling = culling;
+        for culling in [StochasticCulling::Splatting, StochasticCulling::ConservativeClusters] {
+            config.gather.stochastic.culling = culling;
             let pixels = apart(&irradiance(&mut renderer, &config), &every);
             assert!(pixels == 0, "{culling:?} differs in {pixels} pixels of {size:?} by {interleave}");
         }
@@ -556,14 +556,14 @@ fn maps_that_neighbours_share_see_about_what_rays_do() {
     stochastic(&mut config);
     config.vpls.reflection = Reflection::Diffuse;
     config.gather.min_distance = 0.3;
-    config.gather.delta = 1e-4;
+    config.gather.stochastic.delta = 1e-4;
     config.filter.kind = manylight::config::FilterKind::Bilateral;
-    config.visibility.points = manylight::config::PointSet::Adaptive;
-    config.visibility.normals = true;
+    config.visibility.ism.points = manylight::config::PointSet::Adaptive;
+    config.visibility.ism.normals = true;
     let mut renderer = traced(load_scene(&config.scene).unwrap().0);
     let mut with = |method, maps| {
         config.visibility.method = method;
-        config.visibility.shared_maps = maps;
+        config.visibility.ism.shared_maps = maps;
         irradiance(&mut renderer, &config)
     };
     let rays = with(VisibilityMethod::RayTraced, 1024);
@@ -591,14 +591,14 @@ fn maps_that_neighbours_share_see_about_what_rays_do() {
 fn the_preset_has_the_light_of_the_path_tracer_where_rays_make_its_shadows() {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/configs/stochastic-culling.toml"));
     let sets = [
-        "gather.delta=1e-6", // At the preset's delta, one realisation's light is off by a few percent.
+        "gather.stochastic.delta=1e-6", // At the preset's one realisation's light is off by a few percent.
         "scene.builtin=cornell",
         "frame.size=[96,96]",
-        "gather.statistics=true",
-        "gather.receiver=ggx",
+        "gather.stochastic.statistics=true",
+        "gather.stochastic.receiver=ggx",
         "visibility.method=ray-traced",
     ];
-    let config = manylight::config::load(path, &sets.map(str::to_owned)).unwrap_or_else(|error| panic!("{error:#}"));
+    let config = manylight::config::load(path, &sets.map(str::to_owned)).unwrap_or_else(|error| panic!("{error:#}")).config;
     let mut renderer = traced(load_scene(&config.scene).unwrap().0);
     let rendered = render(&mut renderer, &config, 0);
     let [diffuse, glossy, pixels] = ["diffuse-lit", "glossy-lit", "pixels"].map(|name| count(&rendered, &format!("gather/{name}")));
@@ -614,7 +614,7 @@ fn the_preset_has_the_light_of_the_path_tracer_where_rays_make_its_shadows() {
 fn chance_is_the_same_in_every_frame_unless_it_is_to_be_another() {
     let (scene, mut config) = metal(0.1);
     config.rsm.size = [32, 32];
-    config.gather.delta = 0.1;
+    config.gather.stochastic.delta = 0.1;
     let mut renderer = renderer(scene);
     let mut frames = |config: &Config| -> Vec<Vec<Vec3>> {
         let mut frame = |index| render(&mut renderer, config, index).picture.unwrap();
@@ -622,7 +622,7 @@ fn chance_is_the_same_in_every_frame_unless_it_is_to_be_another() {
     };
     let fixed = frames(&config);
     assert!(fixed[0] == fixed[1]);
-    config.gather.roulette = RouletteChoice::PerFrame;
+    config.gather.stochastic.roulette = RouletteChoice::PerFrame;
     let new = frames(&config);
     assert!(apart(&new[0], &new[1]) > 100);
     assert!(frames(&config) == new);

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use glam::{DVec3, Vec3};
-use manylight::config::{Config, Culling, Dielectric, Importance, LightConfig, Reflection, VplSampler, choices};
+use manylight::config::{Config, Dielectric, GatherMethod, Importance, LightConfig, Reflection, VplSampler, choices};
 use manylight::graph::Execution;
 use manylight::renderer::{Rendered, Renderer};
 use manylight::scene::pack;
@@ -46,7 +46,7 @@ fn vpls_of_every_sampler_keep_the_contract() {
                 config.vpls.importance = importance;
                 config.vpls.reflection = reflection;
                 config.materials.dielectric = if reflection == Reflection::Diffuse { Dielectric::Lambert } else { Dielectric::Ggx };
-                config.gather.culling = if reflection == Reflection::Diffuse { Culling::Tiled } else { Culling::StochasticTiled };
+                config.gather.method = if reflection == Reflection::Diffuse { GatherMethod::PerPixel } else { GatherMethod::Stochastic };
                 let what = format!("{name}, {importance:?}, {reflection:?}");
                 renderer.check(&config).unwrap();
                 let (passes, _) = renderer.names(&config).unwrap();

@@ -47,7 +47,7 @@ pub(super) fn conservative_clusters(
     let shells_of = |there: bool| if there { vpls.count * in_set } else { 1 };
     let diffuse_shells = g.zeroed::<[u32; 2]>("gather/diffuse-shells", shells_of(vpls.diffuse));
     let glossy_shells = g.zeroed::<[u32; 2]>("gather/glossy-shells", shells_of(vpls.lobes.is_some()));
-    let by_extension = config.rasterization.resolved(shells.conservative()) == Rasterization::Extension;
+    let by_extension = config.conservative_clusters.rasterization.resolved(shells.conservative()) == Rasterization::Extension;
     let lists = bounds(g, shells, vpls, if by_extension { Shell::Corners } else { Shell::Twenty }, false);
     let pass = match by_extension {
         true => {
@@ -65,7 +65,7 @@ pub(super) fn conservative_clusters(
         .color("touched", touched, [0.0; 4])
         .draw(lists);
     let heads = g.buffer::<[u32; 2]>("gather/heads", interleave.sets() * in_set * SLICES);
-    let nodes = g.buffer::<[u32; 2]>("gather/list-nodes", config.nodes);
+    let nodes = g.buffer::<[u32; 2]>("gather/list-nodes", config.conservative_clusters.nodes);
     let (used, lost) = (g.count("gather/nodes"), g.count("gather/lost"));
     g.compute("gather/shell-lists")
         .reads("view", gbuffer.view)
@@ -78,10 +78,10 @@ pub(super) fn conservative_clusters(
         .constant("INTERLEAVE", n)
         .constant("DIFFUSE", vpls.diffuse)
         .constant("LOBES", vpls.lobes.is_some())
-        .params(&ShellListsParams { count: vpls.count, capacity: config.nodes })
+        .params(&ShellListsParams { count: vpls.count, capacity: config.conservative_clusters.nodes })
         .dispatch_groups([tiles[0], tiles[1], interleave.sets()]);
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
-    let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.statistics { gbuffer.size } else { [1, 1] });
+    let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.stochastic.statistics { gbuffer.size } else { [1, 1] });
     let groups = interleave.groups(gbuffer.size, [8, 8]);
     g.compute("gather/conservative-clusters")
         .reads("view", gbuffer.view)
@@ -96,11 +96,11 @@ pub(super) fn conservative_clusters(
         .writes("numbers", numbers)
         .writes("irradiance", irradiance)
         .constant("INTERLEAVE", n)
-        .constant("STATISTICS", config.statistics)
+        .constant("STATISTICS", config.stochastic.statistics)
         .constant("COATED", is_coated(vpls, around.wants.dielectric))
         .params(&StochasticParams::of(vpls, config))
         .dispatch_groups([groups[0], groups[1], 1]);
-    if config.statistics {
+    if config.stochastic.statistics {
         statistics(g, gbuffer, numbers);
     }
     Indirect { irradiance, reflection: None, pattern: interleave }

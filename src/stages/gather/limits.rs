@@ -2,7 +2,7 @@
 
 use super::conservative::shell_bytes;
 use super::shells::CONSERVATIVE;
-use crate::config::{Config, Culling, GatherMethod, Rasterization, Reflection};
+use crate::config::{Config, Culling, GatherMethod, Rasterization, Reflection, StochasticCulling};
 use crate::fail;
 use crate::gpu::{Adapter, Feature};
 use crate::graph::counted;
@@ -23,18 +23,28 @@ impl Choice for GatherMethod {
 
     fn needs(self) -> Needs {
         match self {
-            Self::PerPixel => &[&[Feature::SubgroupBallot]],
+            Self::PerPixel | Self::Stochastic => &[&[Feature::SubgroupBallot]],
         }
     }
 }
 
 impl Choice for Culling {
-    const KEY: &'static str = "gather.culling";
+    const KEY: &'static str = "gather.per_pixel.culling";
+
+    fn needs(self) -> Needs {
+        match self {
+            Self::None | Self::Tiled | Self::Clustered => NOTHING,
+        }
+    }
+}
+
+impl Choice for StochasticCulling {
+    const KEY: &'static str = "gather.stochastic.culling";
 
     fn needs(self) -> Needs {
         use Feature::{BlendedRgba32Float, ClipDistance, FragmentStores, MultiDrawIndirect};
         match self {
-            Self::None | Self::Tiled | Self::Clustered | Self::StochasticTiled => NOTHING,
+            Self::Tiled => NOTHING,
             Self::Splatting => &[&[MultiDrawIndirect, ClipDistance, BlendedRgba32Float]],
             Self::ConservativeClusters => &[&[MultiDrawIndirect, FragmentStores]],
         }
@@ -42,7 +52,7 @@ impl Choice for Culling {
 }
 
 impl Choice for Rasterization {
-    const KEY: &'static str = "gather.rasterization";
+    const KEY: &'static str = "gather.conservative_clusters.rasterization";
 
     fn needs(self) -> Needs {
         match self {
@@ -55,16 +65,18 @@ impl Choice for Rasterization {
 
 /// The methods that a config's gather uses.
 pub fn methods(config: &Config) -> Vec<Method> {
-    let mut methods = vec![Method::of(config.gather.method), Method::of(config.gather.culling)];
-    if config.gather.culling == Culling::ConservativeClusters {
-        methods.push(Method::of(config.gather.rasterization));
+    let gather = &config.gather;
+    let culling = gather.stochastic_culling();
+    let mut methods = vec![Method::of(gather.method), culling.map_or_else(|| Method::of(gather.per_pixel.culling), Method::of)];
+    if culling == Some(StochasticCulling::ConservativeClusters) {
+        methods.push(Method::of(gather.conservative_clusters.rasterization));
     }
     methods
 }
 
 /// Whether a config's gather draws bounds of ranges.
 pub fn needs_shells(config: &Config) -> bool {
-    matches!(config.gather.culling, Culling::Splatting | Culling::ConservativeClusters)
+    matches!(config.gather.stochastic_culling(), Some(StochasticCulling::Splatting | StochasticCulling::ConservativeClusters))
 }
 
 /// Refuses what the methods cannot do on every driver, or on this device.
@@ -74,7 +86,7 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     let lists = if config.vpls.reflection == Reflection::Both { 2 } else { 1 };
     for list in &facts.lists {
         let (each, key) = (list.each, list.key);
-        if gather.culling.is_stochastic() && each > MOST_TURNS / (lists + 1) {
+        if gather.method == GatherMethod::Stochastic && each > MOST_TURNS / (lists + 1) {
             return Err(fail!(
                 BadInput,
                 "gather.interleave: {} leaves {each} VPLs to each pixel, over the {} that every driver culls by chance; raise it or lower {key}",
@@ -83,19 +95,19 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
             ));
         }
         let pairs = u64::from(width) * u64::from(height) * each;
-        if gather.statistics && pairs > u64::from(u32::MAX) {
+        if gather.stochastic.statistics && pairs > u64::from(u32::MAX) {
             return Err(fail!(
                 BadInput,
-                "gather.statistics: pictures of {width}x{height} may have {pairs} pairs of pixels and VPLs, over the {} that are counted; raise gather.interleave or take a smaller picture",
+                "gather.stochastic.statistics: pictures of {width}x{height} may have {pairs} pairs of pixels and VPLs, over the {} that are counted; raise gather.interleave or take a smaller picture",
                 u32::MAX
             ));
         }
         let limit = facts.adapter.limits.storage_buffer_bytes;
         let bytes = shell_bytes(config.frame.size, facts.interleave, list.count);
-        if gather.culling == Culling::ConservativeClusters && bytes > limit {
+        if gather.stochastic_culling() == Some(StochasticCulling::ConservativeClusters) && bytes > limit {
             return Err(fail!(
                 BadInput,
-                "gather.culling: \"conservative-clusters\" needs {} MB for {} VPLs in pictures of {width}x{height}, over the {} MB that {} allows a buffer; raise gather.interleave",
+                "gather.stochastic.culling: \"conservative-clusters\" needs {} MB for {} VPLs in pictures of {width}x{height}, over the {} MB that {} allows a buffer; raise gather.interleave",
                 bytes >> 20,
                 list.count,
                 limit >> 20,
@@ -116,8 +128,10 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
 /// What the config leaves to the program, by key, and what that chooses on a device.
 pub fn choices(config: &Config, adapter: &Adapter) -> BTreeMap<&'static str, Value> {
     let mut choices = BTreeMap::new();
-    if config.gather.culling == Culling::ConservativeClusters && config.gather.rasterization == Rasterization::Automatic {
-        let resolved = config.gather.rasterization.resolved(adapter.missing(CONSERVATIVE).is_empty());
+    let rasterization = config.gather.conservative_clusters.rasterization;
+    let is_used = config.gather.stochastic_culling() == Some(StochasticCulling::ConservativeClusters);
+    if is_used && rasterization == Rasterization::Automatic {
+        let resolved = rasterization.resolved(adapter.missing(CONSERVATIVE).is_empty());
         choices.insert(Rasterization::KEY, json!(resolved));
     }
     choices
@@ -127,7 +141,7 @@ pub fn choices(config: &Config, adapter: &Adapter) -> BTreeMap<&'static str, Val
 pub fn warnings_of_frame(counts: &[(String, u64)]) -> Vec<String> {
     let warning = |count| {
         format!(
-            "gather.culling: {count} nodes found no room in the clusters' light lists, and their light is missing; raise gather.delta or gather.interleave"
+            "gather.stochastic.culling: {count} nodes found no room in the clusters' light lists, and their light is missing; raise gather.stochastic.delta or gather.interleave"
         )
     };
     counted(counts, "gather/lost").filter(|count| *count > 0).map(warning).collect()

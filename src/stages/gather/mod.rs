@@ -15,7 +15,7 @@ use super::gbuffer::GBuffer;
 use super::interleave::Interleave;
 use super::visibility::{Ism, Surroundings, Visibility};
 use super::vpls::Vpls;
-use crate::config::{Culling, Emitters, GatherConfig, GatherMethod, Lookup};
+use crate::config::{Culling, Emitters, GatherConfig, GatherMethod, Lookup, StochasticCulling};
 use crate::gpu::Format;
 use crate::graph::{Buffer, ComputePass, Graph, Image};
 use crate::shader_struct;
@@ -73,17 +73,15 @@ pub fn indirect(
     roulette: Roulette,
     config: &GatherConfig,
 ) -> Indirect {
-    match (config.method, config.culling) {
-        (GatherMethod::PerPixel, Culling::None | Culling::Tiled | Culling::Clustered) => {
-            sum_of(g, lights, |g, vpls, visibility| per_pixel(g, around, vpls, visibility, config))
-        }
-        (GatherMethod::PerPixel, Culling::StochasticTiled) => {
+    match (config.method, config.stochastic.culling) {
+        (GatherMethod::PerPixel, _) => sum_of(g, lights, |g, vpls, visibility| per_pixel(g, around, vpls, visibility, config)),
+        (GatherMethod::Stochastic, StochasticCulling::Tiled) => {
             sum_of(g, lights, |g, vpls, visibility| stochastic::tiled(g, around, vpls, visibility, roulette, config))
         }
-        (GatherMethod::PerPixel, Culling::Splatting) => {
+        (GatherMethod::Stochastic, StochasticCulling::Splatting) => {
             sum_of(g, lights, |g, vpls, _| splatting::splatting(g, around, vpls, roulette, config))
         }
-        (GatherMethod::PerPixel, Culling::ConservativeClusters) => {
+        (GatherMethod::Stochastic, StochasticCulling::ConservativeClusters) => {
             sum_of(g, lights, |g, vpls, _| conservative::conservative_clusters(g, around, vpls, roulette, config))
         }
     }
@@ -123,13 +121,12 @@ fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: V
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
     // A workgroup of 8 x 4 invocations, each of which takes 2 x 2 pixels of its set.
     let groups = interleave.groups(gbuffer.size, [16, 8]);
-    let name = match config.culling {
-        Culling::StochasticTiled | Culling::Splatting | Culling::ConservativeClusters => unreachable!("they have functions of their own"),
+    let name = match config.per_pixel.culling {
         Culling::None => "gather/per-pixel",
         Culling::Tiled => "gather/tiled",
         Culling::Clustered => "gather/clustered",
     };
-    let froxels = (config.culling == Culling::Clustered).then(|| froxels(g, gbuffer, vpls, interleave));
+    let froxels = (config.per_pixel.culling == Culling::Clustered).then(|| froxels(g, gbuffer, vpls, interleave));
     let mut pass = shadowed(g, name, visibility);
     if let Some(Froxels { rows, lists }) = froxels {
         pass = pass.reads("rows", rows).reads("lists", lists).constant("PARTS", parts(interleave));
@@ -141,7 +138,7 @@ fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: V
         .reads("intensities", vpls.intensities)
         .reads("areas", vpls.areas)
         .writes("irradiance", irradiance)
-        .constant("DISKS", config.emitters == Emitters::Disks)
+        .constant("DISKS", config.per_pixel.emitters == Emitters::Disks)
         .constant("INTERLEAVE", interleave.side())
         .params(&PerPixelParams { count: vpls.count, squared_min_distance: config.min_distance * config.min_distance })
         .dispatch_groups([groups[0], groups[1], 1]);

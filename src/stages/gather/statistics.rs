@@ -1,4 +1,4 @@
-//! What follows from what `gather.statistics` counts.
+//! What follows from what `gather.stochastic.statistics` counts.
 
 use std::collections::BTreeMap;
 

@@ -38,7 +38,7 @@ shader_struct! {
 
 impl StochasticParams {
     pub(super) fn of(vpls: &Vpls, config: &GatherConfig) -> Self {
-        Self { count: vpls.count, squared_min_distance: config.min_distance * config.min_distance, delta: config.delta }
+        Self { count: vpls.count, squared_min_distance: config.min_distance * config.min_distance, delta: config.stochastic.delta }
     }
 }
 
@@ -48,7 +48,7 @@ pub struct Roulette(u32);
 
 impl Roulette {
     pub fn of(config: &Config, frame: u32) -> Self {
-        Self(match config.gather.roulette {
+        Self(match config.gather.stochastic.roulette {
             RouletteChoice::Fixed | RouletteChoice::None => config.frame.seed,
             // Far from those of other seeds.
             RouletteChoice::PerFrame => config.frame.seed.wrapping_add(0x9e37_79b9_u32.wrapping_mul(frame + 1)),
@@ -88,16 +88,16 @@ pub(super) fn ranges(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, Roulette(see
         .writes("spheroids", ranges.spheroids)
         .writes("chances", ranges.chances)
         .constant("LOBES", vpls.lobes.is_some())
-        .constant("CLAMPED", config.roulette == RouletteChoice::None)
+        .constant("CLAMPED", config.stochastic.roulette == RouletteChoice::None)
         .constant(
             "BOUNDS",
-            match config.bounds {
+            match config.stochastic.bounds {
                 Bounds::Ellipsoid | Bounds::None => 0u32,
                 Bounds::SphereEllipsoid => 1,
                 Bounds::SphereVpl => 2,
             },
         )
-        .params(&RangesParams { count: vpls.count, delta: config.delta, seed })
+        .params(&RangesParams { count: vpls.count, delta: config.stochastic.delta, seed })
         .dispatch([vpls.count, 1, 1]);
     ranges
 }
@@ -131,9 +131,9 @@ pub(super) fn tiled(
     let (gbuffer, interleave, dielectric) = (around.gbuffer, around.wants.interleave, around.wants.dielectric);
     let ranges = ranges(g, gbuffer, vpls, roulette, config);
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
-    let reflects = config.receiver == Receiver::Ggx;
+    let reflects = config.stochastic.receiver == Receiver::Ggx;
     let reflection = g.image("gather/reflection", Format::Rgba16Float, if reflects { gbuffer.size } else { [1, 1] });
-    let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.statistics { gbuffer.size } else { [1, 1] });
+    let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.stochastic.statistics { gbuffer.size } else { [1, 1] });
     let groups = interleave.groups(gbuffer.size, [TILE, TILE]);
     shadowed(g, "gather/stochastic-tiled", visibility)
         .reads("view", gbuffer.view)
@@ -153,14 +153,14 @@ pub(super) fn tiled(
         .constant("INTERLEAVE", interleave.side())
         .constant("DIFFUSE", vpls.diffuse)
         .constant("LOBES", vpls.lobes.is_some())
-        .constant("CULL", config.bounds != Bounds::None)
-        .constant("STATISTICS", config.statistics)
+        .constant("CULL", config.stochastic.bounds != Bounds::None)
+        .constant("STATISTICS", config.stochastic.statistics)
         .constant("GLOSSY_RECEIVER", reflects)
         .constant("GLOSSY_DIELECTRIC", dielectric == Dielectric::Ggx)
         .constant("COATED", is_coated(vpls, dielectric))
         .params(&StochasticParams::of(vpls, config))
         .dispatch_groups([groups[0], groups[1], 1]);
-    if config.statistics {
+    if config.stochastic.statistics {
         statistics(g, gbuffer, numbers);
     }
     Indirect { irradiance, reflection: reflects.then_some(reflection), pattern: interleave }

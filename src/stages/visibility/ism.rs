@@ -69,19 +69,19 @@ fn layout(count: u32) -> [u32; 2] {
 pub fn partition_capacity(config: &VisibilityConfig, points: f64, partitions: u32) -> u32 {
     let mean = points / f64::from(partitions);
     let enough = mean + 10.0 * mean.sqrt() + 32.0;
-    config.capacity.unwrap_or((enough as u32).next_multiple_of(64))
+    config.ism.capacity.unwrap_or((enough as u32).next_multiple_of(64))
 }
 
 /// Renders the maps with the config's renderer.
 pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Visibility {
-    let maps = match config.renderer {
+    let maps = match config.ism.renderer {
         IsmRenderer::SinglePixel => single_pixel(g, around, vpls, config),
         IsmRenderer::Splat => splat(g, around, vpls, config),
     };
     let far = around.scene.bounds().size().length();
     Visibility::Ism(Ism {
         maps,
-        size: config.map_size,
+        size: config.ism.map_size,
         columns: layout(vpls.count)[0],
         far,
         bias: bias(config, vpls.count),
@@ -91,38 +91,38 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, confi
 
 /// How coarse a map is, in texels: its texels, and the distances between its points. The receiver is compared so far behind it.
 fn bias(config: &VisibilityConfig, count: u32) -> f32 {
-    let points = config.point_count as f32 * collected(config, count) as f32 / count as f32;
-    let texels = config.map_size as f32;
+    let points = config.ism.point_count as f32 * collected(config, count) as f32 / count as f32;
+    let texels = config.ism.map_size as f32;
     config.bias * (1.0 + texels * texels / (4.0 * points)).sqrt()
 }
 
 /// VPLs that a point is considered for.
 fn considered(config: &VisibilityConfig, count: u32) -> u32 {
-    let default = if config.renderer == IsmRenderer::Splat { 1 } else { 16 };
-    config.considered.unwrap_or(default).min(count)
+    let default = if config.ism.renderer == IsmRenderer::Splat { 1 } else { 16 };
+    config.ism.considered.unwrap_or(default).min(count)
 }
 
 /// VPLs that a point is drawn for, at most.
 fn collected(config: &VisibilityConfig, count: u32) -> u32 {
-    let default = if config.renderer == IsmRenderer::Splat { 1 } else { 4 };
-    config.collected.unwrap_or(default).min(considered(config, count))
+    let default = if config.ism.renderer == IsmRenderer::Splat { 1 } else { 4 };
+    config.ism.collected.unwrap_or(default).min(considered(config, count))
 }
 
 /// Points as single pixels, and the holes between them filled (section 4.4.3 and 4.4.4).
 fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
-    let points = match config.points {
+    let points = match config.ism.points {
         PointSet::Uniform => points::collect(g, around, vpls.count, config),
-        PointSet::Adaptive => adaptive::choose(g, around, vpls, config.point_count, collected(config, vpls.count), config.thin),
+        PointSet::Adaptive => adaptive::choose(g, around, vpls, config.ism.point_count, collected(config, vpls.count), config.ism.thin),
     };
     let [columns, rows] = layout(vpls.count);
-    let size = [columns * config.map_size, rows * config.map_size];
+    let size = [columns * config.ism.map_size, rows * config.ism.map_size];
     let target = g.image("visibility/single-pixels", Format::R32Uint, size);
     clear(g, "visibility/clear", target);
     let drawn = Drawing { around, vpls, points, columns, config };
     let counts = [g.count("visibility/dropped-points"), g.count("visibility/drawn-points")];
     let pass = g.compute("visibility/single-pixel").updates("target", target).updates("dropped", counts[0]).updates("drawn", counts[1]);
     drawn.dispatch(pass);
-    let tilts = config.normals.then(|| {
+    let tilts = config.ism.normals.then(|| {
         let tilts = g.image("visibility/tilts", Format::R32Uint, size);
         clear(g, "visibility/clear-tilts", tilts);
         drawn.dispatch(g.compute("visibility/single-pixel-normals").reads("target", target).updates("tilts", tilts));
@@ -152,15 +152,15 @@ struct Drawing<'f> {
 impl Drawing<'_> {
     fn dispatch(&self, pass: ComputePass<'_>) {
         let Self { around, vpls, points, columns, config } = self;
-        let own = config.points == PointSet::Adaptive;
+        let own = config.ism.points == PointSet::Adaptive;
         let diagonal = around.scene.bounds().size().length();
         pass.reads("points", points.points)
             .reads("begins", points.begins)
             .reads("fill", points.fill)
             .reads("places", vpls.places)
-            .constant("MAP_SIZE", config.map_size)
-            .constant("DISTORTION", config.distortion)
-            .constant("ROUND", !config.normals)
+            .constant("MAP_SIZE", config.ism.map_size)
+            .constant("DISTORTION", config.ism.distortion)
+            .constant("ROUND", !config.ism.normals)
             .params(&SinglePixelParams {
                 count: vpls.count,
                 shares: if own { 1 } else { vpls.count },
@@ -169,8 +169,8 @@ impl Drawing<'_> {
                 columns: *columns,
                 far: diagonal,
                 diagonal,
-                enlarge: config.enlarge.unwrap_or(match config.points {
-                    _ if config.normals => TILTED_ENLARGE,
+                enlarge: config.ism.enlarge.unwrap_or(match config.ism.points {
+                    _ if config.ism.normals => TILTED_ENLARGE,
                     PointSet::Adaptive => ADAPTIVE_ENLARGE,
                     PointSet::Uniform => SINGLE_PIXEL_ENLARGE,
                 }),
@@ -182,10 +182,10 @@ impl Drawing<'_> {
 /// Points as squares of their size, straight from the tessellator (section 4.4.2).
 fn splat(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
     let [columns, rows] = layout(vpls.count);
-    let size = [columns * config.map_size, rows * config.map_size];
+    let size = [columns * config.ism.map_size, rows * config.ism.map_size];
     let splats = g.image("visibility/splats", Format::Depth32, size);
     let maps = g.image("visibility/maps", Format::R32Float, size);
-    let max_area = around.residents.triangles().table.max_area(config.point_count, config.thin);
+    let max_area = around.residents.triangles().table.max_area(config.ism.point_count, config.ism.thin);
     let diagonal = around.scene.bounds().size().length();
     let collected = collected(config, vpls.count);
     let block = g.upload(
@@ -196,7 +196,7 @@ fn splat(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &Visibili
             considered: considered(config, vpls.count),
             collected,
             far: diagonal,
-            enlarge: config.enlarge.unwrap_or(SPLAT_ENLARGE),
+            enlarge: config.ism.enlarge.unwrap_or(SPLAT_ENLARGE),
         }],
     );
     let patches = around.residents.triangles().table.patch_list(g, around.scene, "visibility/patches", max_area);
@@ -208,10 +208,10 @@ fn splat(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &Visibili
         .reads("draws", around.scene.draws)
         .reads("places", vpls.places)
         .reads("splat", block)
-        .constant("THIN", config.thin)
-        .constant("MAP_SIZE", config.map_size)
-        .constant("DISTORTION", config.distortion)
-        .constant("CLAMP", config.clamp)
+        .constant("THIN", config.ism.thin)
+        .constant("MAP_SIZE", config.ism.map_size)
+        .constant("DISTORTION", config.ism.distortion)
+        .constant("CLAMP", config.ism.clamp)
         .params(&params)
         .depth(splats)
         .draw(patches);

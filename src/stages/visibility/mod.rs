@@ -66,7 +66,7 @@ impl Choice for VisibilityMethod {
 }
 
 impl Choice for PointSet {
-    const KEY: &'static str = "visibility.points";
+    const KEY: &'static str = "visibility.ism.points";
 
     fn needs(self) -> Needs {
         match self {
@@ -76,7 +76,7 @@ impl Choice for PointSet {
 }
 
 impl Choice for Collect {
-    const KEY: &'static str = "visibility.collect";
+    const KEY: &'static str = "visibility.ism.collect";
 
     fn needs(self) -> Needs {
         match self {
@@ -87,7 +87,7 @@ impl Choice for Collect {
 }
 
 impl Choice for IsmRenderer {
-    const KEY: &'static str = "visibility.renderer";
+    const KEY: &'static str = "visibility.ism.renderer";
 
     fn needs(self) -> Needs {
         match self {
@@ -114,7 +114,7 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
         if each > MOST_TEXELS_A_MAP {
             return Err(fail!(
                 BadInput,
-                "visibility.shared_maps: {shared} leave {each} texels to each, over the {MOST_TEXELS_A_MAP} that every driver takes; raise it"
+                "visibility.ism.shared_maps: {shared} leave {each} texels to each, over the {MOST_TEXELS_A_MAP} that every driver takes; raise it"
             ));
         }
     }
@@ -138,7 +138,7 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
 pub fn warnings_of_frame(counts: &[(String, u64)]) -> Vec<String> {
     let warning = |count| {
         format!(
-            "visibility.capacity: {count} points came to partitions that do not hold as many and were left out; raise it, or leave it to the program"
+            "visibility.ism.capacity: {count} points came to partitions that do not hold as many and were left out; raise it, or leave it to the program"
         )
     };
     counted(counts, "visibility/dropped-points").filter(|count| *count > 0).map(warning).collect()

@@ -41,8 +41,8 @@ pub struct Points {
 /// Makes the points by the config's way.
 pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, config: &VisibilityConfig) -> Points {
     let table = around.residents.triangles().table;
-    let max_area = table.max_area(config.point_count, config.thin);
-    let capacity = partition_capacity(config, table.points(max_area, config.thin), partitions);
+    let max_area = table.max_area(config.ism.point_count, config.ism.thin);
+    let capacity = partition_capacity(config, table.points(max_area, config.ism.thin), partitions);
     let points = Points {
         points: g.buffer::<Point>("visibility/points", partitions * capacity),
         begins: g.upload::<u32>("visibility/begins", &(0..=partitions).map(|part| part * capacity).collect::<Vec<_>>()),
@@ -51,9 +51,9 @@ pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, 
     };
     let diagonal = around.scene.bounds().size().length();
     let params = PointsParams { max_area, diagonal, partitions, capacity, seed: around.wants.seed };
-    match config.collect {
-        Collect::Compute => computed(g, around, points, &params, config.thin),
-        Collect::Tessellation => tessellated(g, around, points, &params, config.thin),
+    match config.ism.collect {
+        Collect::Compute => computed(g, around, points, &params, config.ism.thin),
+        Collect::Tessellation => tessellated(g, around, points, &params, config.ism.thin),
     }
     points
 }

@@ -45,7 +45,7 @@ const PUSH: [&str; 8] = [
 /// Fills the holes of maps of single pixels; passes are named by the level that they write. `tilts` are there where normals are kept.
 pub(super) fn fill(g: &mut Graph, pixels: Image, tilts: Option<Image>, config: &VisibilityConfig) -> Image {
     // The coarsest level has one texel a map.
-    let levels = config.map_size.ilog2() as usize;
+    let levels = config.ism.map_size.ilog2() as usize;
     let size = |level: usize| pixels.size.map(|n| n >> level);
     let signed = |level: usize| size(level).map(|n| n as i32);
     let (format, disk) = match tilts {
@@ -57,7 +57,7 @@ pub(super) fn fill(g: &mut Graph, pixels: Image, tilts: Option<Image>, config: &
         let mut pass = g.compute(PULL[level - 1]).part("disk", disk);
         pass = if level == 1 {
             let first = pass.shader("visibility/pull-first").reads("finer", pixels);
-            first.constant("MAP_SIZE", config.map_size).constant("DISTORTION", config.distortion)
+            first.constant("MAP_SIZE", config.ism.map_size).constant("DISTORTION", config.ism.distortion)
         } else {
             pass.shader("visibility/pull").reads("finer", pulled[level - 2])
         };
@@ -80,8 +80,8 @@ pub(super) fn fill(g: &mut Graph, pixels: Image, tilts: Option<Image>, config: &
         };
         // An invocation fills the four texels around a corner of the coarser level's.
         pass.reads("coarser", pulled[level])
-            .constant("CLAMP", config.clamp)
-            .params(&PushParams { size: signed(level), tile: (config.map_size >> level) as i32, scale: 1.0 / (1u32 << level) as f32 })
+            .constant("CLAMP", config.ism.clamp)
+            .params(&PushParams { size: signed(level), tile: (config.ism.map_size >> level) as i32, scale: 1.0 / (1u32 << level) as f32 })
             .dispatch([size(level + 1)[0] + 1, size(level + 1)[1] + 1, 1]);
     }
     maps

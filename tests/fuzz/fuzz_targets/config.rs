@@ -16,7 +16,10 @@ fuzz_target!(|text: &str| {
     let sets: Vec<String> = sets.lines().map(str::to_owned).collect();
     let origin = Path::new("/nowhere/x.toml");
     let config = match config::parse(text, origin, &sets) {
-        Ok(config) => config,
+        Ok(loaded) => {
+            assert!(loaded.warnings.iter().all(|warning| !warning.contains('\n')), "more than one line: {:?}", loaded.warnings);
+            loaded.config
+        }
         Err(error) => {
             assert_eq!(exit_code(&error), Exit::BadInput);
             let sentence = format!("{error:#}");
@@ -27,7 +30,7 @@ fuzz_target!(|text: &str| {
     };
     let saved = config::to_toml(&config);
     match config::parse(&saved, origin, &[]) {
-        Ok(again) => assert_eq!(again, config, "{saved}"),
+        Ok(again) => assert_eq!(again.config, config, "{saved}"),
         Err(error) => panic!("{error:#}\n{saved}"),
     }
     let scene = Scene::default();
