@@ -1,7 +1,7 @@
-//! Results worth keeping from run to run, in the user's cache folder, found by a hash of what they were made from.
+//! Cache of results between runs, in the user's cache folder, by a hash of their inputs.
 //!
-//! A cache only saves time: what is missing, damaged or unreadable is made anew, and a folder that cannot be written is worth
-//! one warning, never an error.
+//! A cache only saves time: a missing, damaged or unreadable result is made anew, and an unwritable folder gives one warning, never an
+//! error.
 
 use crate::files::{not_written, replace};
 use blake3::{Hash, Hasher};
@@ -11,14 +11,14 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A cache folder. It may be used from several threads and processes at a time.
+/// A cache folder. Several threads and processes may use it at a time.
 #[derive(Debug)]
 pub struct Cache {
     folder: Option<PathBuf>,
     warned: AtomicBool,
 }
 
-/// The user's cache: `manylight` in `$XDG_CACHE_HOME` or `~/.cache`, and the like of it on other systems.
+/// The user's cache: `manylight` in `$XDG_CACHE_HOME` or `~/.cache`, or the equivalent on other systems.
 pub fn user() -> &'static Cache {
     static USER: LazyLock<Cache> = LazyLock::new(|| Cache {
         folder: etcetera::base_strategy::choose_native_strategy().ok().map(|user| user.cache_dir().join("manylight")),
@@ -28,17 +28,17 @@ pub fn user() -> &'static Cache {
 }
 
 impl Cache {
-    /// A cache in a folder of its own; the folder need not be there yet.
+    /// A cache in a given folder, which need not exist yet.
     pub fn at(folder: impl Into<PathBuf>) -> Self {
         Self { folder: Some(folder.into()), warned: AtomicBool::new(false) }
     }
 
-    /// Where the cache lies; `None` where the system names no home.
+    /// Folder of the cache; `None` if the system has no home folder.
     pub fn folder(&self) -> Option<&Path> {
         self.folder.as_deref()
     }
 
-    /// What was written under `key`, whole and unchanged, or nothing. `kind` is a folder's name: `spirv`.
+    /// Content that was written under `key`, or `None` if it is missing or damaged. `kind` is a folder's name: `spirv`.
     pub fn read(&self, kind: &str, key: &Hash) -> Option<Vec<u8>> {
         let mut bytes = fs::read(self.path(kind, key)?).ok()?;
         let (stored, content) = bytes.split_first_chunk::<{ blake3::OUT_LEN }>()?;
@@ -49,7 +49,7 @@ impl Cache {
         Some(bytes)
     }
 
-    /// Keeps `content` under `key`. Failing costs only time: the first failure comes back as a warning to print, later ones are silent.
+    /// Writes `content` under `key`. A failure only costs time: the first returns a warning to print, later ones are silent.
     #[must_use = "the warning is for the user"]
     pub fn write(&self, kind: &str, key: &Hash, content: &[u8]) -> Option<String> {
         let problem = match self.path(kind, key) {
@@ -74,7 +74,7 @@ impl Cache {
     }
 }
 
-/// A hash of the content that also binds it to its place, so that a file that was cut, changed or renamed is as good as missing.
+/// Hash of the content, its kind and its key, so that a file that was cut, changed or renamed counts as missing.
 fn seal(kind: &str, key: &Hash, content: &[u8]) -> Hash {
     let mut hasher = Hasher::new_keyed(key.as_bytes());
     hasher.update(blake3::hash(kind.as_bytes()).as_bytes()).update(content);

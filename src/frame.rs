@@ -11,7 +11,7 @@ use crate::stages::wants::Wants;
 use crate::stages::{bounce, compose, direct, filter, gather, gbuffer, rsm, ssao, visibility, vpls};
 use crate::world::{Shot, World};
 
-/// What a frame makes.
+/// Resources that a frame makes.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame {
     pub gbuffer: GBuffer,

@@ -1,4 +1,4 @@
-//! Renders a scene under a config, frame by frame: what the commands and the tests share.
+//! Renderer of a scene under a config, frame by frame: shared by the commands and the tests.
 
 use crate::config::{Config, TimingMode};
 use crate::fail;
@@ -17,16 +17,16 @@ use anyhow::{Result, bail};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// What frames of a config need of the world.
+/// Requirements of a config on the world.
 pub fn needs(config: &Config) -> Needs {
     Needs { rays: stages::needs_rays(config) }
 }
 
-/// A sequence of frames: what the next one goes on from. Sequences that run in turn on one [`Renderer`] do not disturb each other.
+/// State of a sequence of frames. Sequences that take turns on one [`Renderer`] do not disturb each other.
 #[derive(Default)]
 pub struct Lane {
     pool: Pool,
-    /// What the frame before showed.
+    /// The shot of the frame before.
     before: Option<Shot>,
 }
 
@@ -35,51 +35,51 @@ impl Lane {
         Self::default()
     }
 
-    /// Ends the sequence: the next frame starts anew, with zeros for [`Graph::history`].
+    /// Ends the sequence: the next frame starts anew, with [`Graph::history`] zeroed.
     pub fn cut(&mut self) {
         self.before = None;
     }
 
-    /// What the frame before showed; `None` where the next frame starts anew.
+    /// The shot of the frame before; `None` if the next frame starts anew.
     pub fn before(&self) -> Option<&Shot> {
         self.before.as_ref()
     }
 }
 
-/// A scene on a device, with shaders, pipelines, and what stages make once.
+/// A scene on a device, with shaders, pipelines and the stages' residents.
 pub struct Renderer {
     engine: Engine,
     world: World,
     residents: Residents,
-    /// The sequence of [`Self::render`], and the config that it is of.
+    /// The sequence of [`Self::render`], and its config.
     batch: Lane,
     batch_config: Option<Config>,
 }
 
-/// What a frame gave.
+/// Results of a frame.
 pub struct Rendered {
     /// Milliseconds of each pass, in order.
     pub times: Vec<(&'static str, f64)>,
-    /// What passes counted, by name ([`Graph::count`]).
+    /// Counters of the passes, by name ([`Graph::count`]).
     pub counts: Vec<(String, u64)>,
-    /// Bytes of every resource of the frame's own, by name ([`Graph::memory`]).
+    /// Bytes of each of the frame's own resources, by name ([`Graph::memory`]).
     pub memory: Vec<(String, u64)>,
     pub dumps: Vec<Dump>,
-    /// Pass, image, and how many of its texels are not finite.
+    /// Pass, image, and number of texels that are not finite.
     pub non_finite: Vec<(&'static str, String, u32)>,
-    /// The frame's images, if they were asked for.
+    /// The frame's images, if they were requested.
     pub picture: Option<Picture>,
 }
 
 impl Rendered {
-    /// What a user should know of how this frame went.
+    /// Warnings about this frame.
     pub fn warnings(&self) -> Vec<String> {
         stages::warnings_of_frame(&self.counts)
     }
 }
 
 impl Renderer {
-    /// Brings a scene to a device. `may_need` says what any config may ask for that it renders ([`needs`]).
+    /// Uploads a scene to a device. `may_need` covers the requirements ([`needs`]) of all configs that will be rendered.
     ///
     /// # Errors
     /// As [`World::bring`].
@@ -90,7 +90,7 @@ impl Renderer {
         Ok(Self { engine, world, residents: Residents::default(), batch: Lane::new(), batch_config: None })
     }
 
-    /// Opens a device and brings a scene to it.
+    /// Opens a device and uploads a scene to it.
     pub fn open(options: &Options, scene: Scene, may_need: Needs) -> Result<Self> {
         Self::new(Gpu::new(options)?, scene, may_need)
     }
@@ -99,7 +99,7 @@ impl Renderer {
         &self.engine.gpu
     }
 
-    /// The key of all shaders: [`Library::key_of_all`].
+    /// Key of all shaders: [`Library::key_of_all`].
     pub fn shaders(&self) -> String {
         self.engine.shaders_key().to_hex().to_string()
     }
@@ -112,21 +112,21 @@ impl Renderer {
         &self.world
     }
 
-    /// Moves what rays meet to a time of the scene's animation, seconds.
+    /// Moves the acceleration structure to a time of the scene's animation, seconds.
     ///
     /// # Errors
-    /// Where the device cannot hold it.
+    /// The device's own, when memory runs out, and limits of the scene's size.
     pub fn set_time_of_rays(&mut self, seconds: f64) -> Result<()> {
         self.world.set_time_of_rays(&mut self.engine.gpu, seconds)
     }
 
-    /// Makes what frames need of the world and is not there: [`World::ensure`].
+    /// Makes missing parts of the world: [`World::ensure`].
     pub fn ensure(&mut self, needs: Needs) -> Result<()> {
         let _span = trace::span("bringing what rays need");
         self.world.ensure(&mut self.engine.gpu, needs)
     }
 
-    /// Makes all that a config's frames need and is not there: of the world, and of the stages' own.
+    /// Makes missing parts of the world and missing residents of the stages for a config.
     fn ensure_for(&mut self, config: &Config) -> Result<()> {
         self.world.ensure(&mut self.engine.gpu, needs(config))?;
         if !self.residents.are_there(config) {
@@ -135,47 +135,48 @@ impl Renderer {
         Ok(())
     }
 
-    /// What the config leaves to the program, by key, and what that chooses on this device.
+    /// Choices that the config leaves to the program, by key, resolved for this device.
     pub fn choices(&self, config: &Config) -> BTreeMap<&'static str, Value> {
         gather::choices(config, &self.engine.gpu.adapter)
     }
 
-    /// The lights of a frame.
+    /// Lights of a frame.
     pub fn lights(&self, config: &Config, frame_index: u32) -> Vec<Light> {
         self.world.lights(config, frame_index)
     }
 
-    /// How a frame is seen.
+    /// Camera view of a frame.
     pub fn view(&self, config: &Config, frame_index: u32) -> Result<View> {
         self.world.view(config, frame_index)
     }
 
-    /// What a frame shows.
+    /// View, lighting and time of a frame.
     pub fn shot(&self, config: &Config, frame_index: u32) -> Result<Shot> {
         Shot::of(config, &self.world, &self.engine.gpu.adapter, frame_index)
     }
 
-    /// Refuses what the device cannot do under this config, by the keys that ask for it: [`stages::check`].
+    /// Refuses configs that the device cannot run; errors name the key: [`stages::check`].
     pub fn check(&self, config: &Config) -> Result<()> {
         let adapter = &self.engine.gpu.adapter;
         let maps = Lighting::of(config, &self.world, adapter, 0)?.projectors.len() as u32;
         stages::check(config, &Facts::of(config, adapter, maps))
     }
 
-    /// Virtual point lights of the first bounce.
+    /// Number of virtual point lights of the first bounce.
     pub fn vpl_count(&self, config: &Config) -> u32 {
         let lighting = Lighting::of(config, &self.world, &self.engine.gpu.adapter, 0);
         config.vpl_count(lighting.map_or(1, |lighting| lighting.projectors.len() as u32))
     }
 
-    /// What a user should know of how this config is rendered.
+    /// Warnings about a config.
     pub fn warnings(&self, config: &Config) -> Vec<String> {
         stages::warnings(config, &self.world.lights(config, 0), config.vpl_count(1))
     }
 
-    /// Compiles the shaders and makes the pipelines of this config, those of what no view sees yet too, so that no frame has to.
+    /// Compiles the shaders and creates all pipelines of a config, also for parts of the scene that no view sees yet, so that no frame has
+    /// to.
     ///
-    /// Refuses names of passes to dump that the frame does not have.
+    /// Refuses names in `dump` that are not passes of the frame.
     pub fn prepare(&mut self, config: &Config, dump: &[String]) -> Result<()> {
         let _span = trace::span("preparing the shaders");
         self.ensure_for(config)?;
@@ -190,7 +191,7 @@ impl Renderer {
         self.engine.prepare(&g)
     }
 
-    /// The names of a config's passes, and of the resources of its frames.
+    /// Names of a config's passes, and of the resources of its frames.
     pub fn names(&mut self, config: &Config) -> Result<(Vec<&'static str>, Vec<String>)> {
         self.ensure_for(config)?;
         let shot = self.shot(config, 0)?;
@@ -199,8 +200,8 @@ impl Renderer {
         Ok((g.pass_names().collect(), g.memory().into_iter().map(|(name, _)| name).collect()))
     }
 
-    /// Runs frame 0 with a triangle of every kind that the scene draws, so that no later frame is the first to use a pipeline. It cuts
-    /// the sequence of [`Self::render`].
+    /// Runs frame 0 with a triangle of every kind that the scene draws, so that no later frame is the first to use a pipeline. It cuts the
+    /// sequence of [`Self::render`].
     pub fn warm_up(&mut self, config: &Config, execution: &Execution) -> Result<()> {
         self.ensure_for(config)?;
         let shot = self.shot(config, 0)?;
@@ -216,8 +217,8 @@ impl Renderer {
         frame(g, &self.world, &self.residents, shot, config)
     }
 
-    /// Renders frame `frame_index` of a config's sequence; its images are only brought back where `pictured`. A frame that comes right after
-    /// the one before it of the same config goes on from it; any other starts anew, so that what was rendered before it changes nothing.
+    /// Renders frame `frame_index` of a config's sequence; its images are read back only if `pictured`. A frame that directly follows the
+    /// frame before it of the same config continues its history. Any other frame starts anew, so that earlier renders do not change it.
     ///
     /// # Errors
     /// As [`Self::shoot`].
@@ -235,8 +236,8 @@ impl Renderer {
         rendered
     }
 
-    /// Renders a shot as the next frame of a lane, whatever changed since the one before: the view, the lights, keys of the config. Its
-    /// images are only brought back where `pictured`. [`Self::prepare`] was called for the config.
+    /// Renders a shot as the next frame of a lane, even if the view, the lights or keys of the config have changed. Its images are read
+    /// back only if `pictured`. [`Self::prepare`] was called for the config.
     ///
     /// # Errors
     /// The device's own, with the pass; the lane is cut then.
@@ -285,7 +286,7 @@ impl Renderer {
     }
 }
 
-/// How the config wants its passes timed, as far as the device can.
+/// Timing mode of the config, or [`Timing::Serial`] on a device without timestamps.
 pub fn timing(config: &Config, adapter: &Adapter) -> Timing {
     match config.frame.timing {
         _ if !adapter.has(Feature::Timestamps) => Timing::Serial,

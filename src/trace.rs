@@ -1,11 +1,12 @@
-//! Where a run's time goes: spans of the host's work and the passes of the device on one clock, as a file of Chrome's trace events
-//! that ui.perfetto.dev and chrome://tracing show.
+//! Traces of a run's time: spans of the host's work and passes of the device on one clock, as a file of Chrome's trace events for
+//! ui.perfetto.dev and chrome://tracing.
 //!
-//! One recorder for the whole program, since work is spread over threads; while it is off, a span costs a look at one flag. A crate
-//! for tracing would bring the spans alone: it stamps events when they happen, and the device's are known when the frame is over.
+//! There is one recorder for the whole program, since work is spread over threads. While it is off, a span costs a load of one flag. A
+//! crate for tracing would not do for the device's passes: it stamps events when they happen, and times of passes are known only after the
+//! frame.
 //!
-//! The device's passes are placed at the moment when the host handed them to the driver. Their times to each other are the device's
-//! own; the little that it took to begin is not known and not shown.
+//! Passes of the device are placed at the host's time of submission. Times between them are the device's own; the small delay before the
+//! first is unknown and not shown.
 
 use crate::files::write_file;
 use anyhow::Result;
@@ -20,31 +21,31 @@ static ON: AtomicBool = AtomicBool::new(false);
 static RECORDER: Mutex<Option<Recorder>> = Mutex::new(None);
 
 thread_local! {
-    /// This thread's number in the trace.
+    /// Number of this thread in the trace.
     static THREAD: u64 = {
         static NEXT: AtomicU64 = AtomicU64::new(1);
         NEXT.fetch_add(1, Ordering::Relaxed)
     };
 }
 
-/// Processes of the trace: the host's threads are in the first, the device's queue is in the second.
+/// Processes of the trace: the first has the host's threads, the second the device's queue.
 const CPU: u64 = 1;
 const GPU: u64 = 2;
 
-/// Turns the recorder on; what was recorded before is gone.
+/// Turns the recorder on and discards earlier events.
 pub fn start() {
-    // The thread that starts it is the first.
+    // The thread that starts the recorder is the first.
     THREAD.with(|_| ());
     with_recorder(|recorder| *recorder = Some(Recorder::new(Instant::now())));
     ON.store(true, Ordering::Relaxed);
 }
 
-/// Work of the host that lasts until the span is dropped. Spans of a thread nest.
+/// Begins a span of the host's work, which ends when it is dropped. Spans of a thread nest.
 pub fn span(name: impl Display) -> Span {
     Span(ON.load(Ordering::Relaxed).then(|| (name.to_string(), Instant::now())))
 }
 
-/// See [`span`].
+/// A span of the host's work; see [`span`].
 #[must_use = "a span that is not held is over at once"]
 pub struct Span(Option<(String, Instant)>);
 
@@ -62,7 +63,7 @@ impl Drop for Span {
     }
 }
 
-/// A pass that ran on the device for `ms` milliseconds, `begin` milliseconds after the first pass of what was `submitted`.
+/// Adds a pass that ran on the device for `ms` milliseconds, `begin` milliseconds after the first pass of the submission at `submitted`.
 pub fn pass(name: &str, submitted: Instant, begin: f64, ms: f64) {
     if ON.load(Ordering::Relaxed) {
         with_recorder(|recorder| {
@@ -75,8 +76,8 @@ pub fn pass(name: &str, submitted: Instant, begin: f64, ms: f64) {
     }
 }
 
-/// Turns the recorder off and writes what it has; nothing where it was off. `known` is what the file says of the run, by name; the
-/// device's row is called by its `device`.
+/// Turns the recorder off and writes its events; does nothing if it was off. `known` describes the run in the file, by name; its `device`
+/// names the device's row.
 ///
 /// # Errors
 /// `OutputNotWritten` with the path and the reason.
@@ -90,7 +91,7 @@ fn with_recorder<R>(work: impl FnOnce(&mut Option<Recorder>) -> R) -> R {
     work(&mut RECORDER.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// Times are microseconds after the recorder's start.
+/// An event; times are microseconds after the recorder's start.
 struct Event {
     name: String,
     process: u64,
@@ -110,7 +111,7 @@ impl Recorder {
         Self { start, events: Vec::new(), threads: Vec::new() }
     }
 
-    /// What happened before the start, as a span that was open then, is put there.
+    /// Time of an event; earlier times, as of a span that was open at the start, are moved to the start.
     fn at(&self, time: Instant) -> f64 {
         time.saturating_duration_since(self.start).as_nanos() as f64 / 1e3
     }
@@ -121,7 +122,7 @@ impl Recorder {
         }
     }
 
-    /// The trace: names of processes and threads, then the events by thread and time, those around others first.
+    /// The trace as JSON: names of processes and threads, then the events by thread and time, enclosing events first.
     fn json(mut self, known: &[(&str, String)]) -> Value {
         let name = |what: &str, process: u64, thread: u64, name: &str| json!({ "ph": "M", "name": what, "pid": process, "tid": thread, "args": { "name": name } });
         let mut events = vec![name("process_name", CPU, 0, "CPU"), name("process_name", GPU, 0, "GPU")];
@@ -161,7 +162,7 @@ mod tests {
             let [begin, end] = [begin, end].map(|us| recorder.at(start + Duration::from_micros(us)));
             recorder.events.push(Event { name: name.to_owned(), process, thread, begin, end });
         };
-        // As spans end: what is inside comes first.
+        // In the order in which spans end: inner ones first.
         add("gbuffer/draw", GPU, 1, 30, 40);
         add("waiting", CPU, 1, 25, 50);
         add("frame 0", CPU, 1, 25, 60);

@@ -1,4 +1,4 @@
-//! Walks: the frames of a config one after another, and how much they flicker.
+//! Walks: all frames of a config in order, and how much they flicker.
 
 use crate::config::Config;
 use crate::fail;
@@ -10,71 +10,71 @@ use crate::renderer::Renderer;
 use anyhow::{Context, Result};
 use serde::Serialize;
 
-/// The flicker from one frame to the next, and what stands beside it.
+/// Flicker between two consecutive frames, with the reference's.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Step {
     pub previous: u32,
     pub next: u32,
     #[serde(flatten)]
     pub pair: Pair,
-    /// The reference's own flicker over the same matches.
+    /// Flicker of the reference over the same matches.
     pub reference: Option<f64>,
-    /// What the frames flicker more than their reference: the difference of the two.
+    /// Excess of the frames' flicker over the reference's.
     pub excess: Option<f64>,
 }
 
-/// What a walk gave.
+/// Results of a walk.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Walk {
-    /// A step a pair of frames.
+    /// Steps, one a pair of frames.
     pub steps: Vec<Step>,
-    /// Over all of them.
+    /// Flicker over all steps.
     pub flicker: Flicker,
-    /// The reference's own, over the same matches.
+    /// Flicker of the reference over the same matches.
     pub reference: Option<Flicker>,
-    /// The difference of the pooled `flicker` of the two.
+    /// Excess of the pooled `flicker` over the reference's.
     pub excess: Option<f64>,
-    /// Of each frame against its reference, over pixels and channels; empty without a reference.
+    /// RMSE of each frame against its reference, over pixels and channels; empty without a reference.
     pub rmse: Vec<f64>,
-    /// Root of the mean of their squares.
+    /// Root mean square of `rmse`.
     pub rmse_of_walk: Option<f64>,
 }
 
-/// A frame of a walk as it goes by.
+/// A frame of a walk, for the callback.
 pub struct Visit<'v> {
     pub frame: u32,
     pub picture: &'v Picture,
-    /// How it follows from the frame before; the first one has none.
+    /// Step from the frame before; the first frame has none.
     pub step: Option<&'v Step>,
-    /// Against its reference, where there is one.
+    /// RMSE against its reference, if there is one.
     pub rmse: Option<f64>,
     before: Option<(&'v Matches, &'v [f32])>,
     intensities: &'v [f32],
 }
 
 impl Visit<'_> {
-    /// How the intensity of each pixel of the frame before changed; see [`Matches::differences`]. `None` at the first frame.
+    /// Change of each pixel's intensity since the frame before; see [`Matches::differences`]. `None` at the first frame.
     pub fn differences(&self) -> Option<Vec<Option<f64>>> {
         self.before.map(|(matches, before)| matches.differences(before, self.intensities))
     }
 }
 
-/// A frame's picture of the reference, by the frame's number.
+/// Reference pictures by frame number.
 pub type ReferenceFrames<'r> = &'r dyn Fn(u32) -> Result<Image>;
 
-/// What is kept of a frame until the next one is measured.
+/// Data of a frame that the next frame is compared with.
 struct Kept {
     surfaces: Surfaces,
     intensities: Vec<f32>,
     reference: Option<Vec<f32>>,
 }
 
-/// Renders the frames 0 to `frame.count` - 1 of a config, without those of its warm-up, and measures how much they flicker. Two
-/// frames are in memory at a time; `on_frame` sees each of them as it is made.
+/// Renders the frames 0 to `frame.count` - 1 of a config, without its warm-up frames, and measures their flicker. Two frames are in memory
+/// at a time; `on_frame` gets each frame when it is made.
 ///
 /// # Errors
-/// `BadInput` where there are fewer than two frames, where a frame or its reference is not all finite numbers, where the sizes of
-/// the two differ, and where no frame shows anything of the one before; and whatever rendering and `on_frame` fail with.
+/// `BadInput` if there are fewer than two frames, if a frame or its reference has values that are not finite, if their sizes differ, or if
+/// no frame shows surfaces of the one before. Errors of rendering and of `on_frame` are passed on.
 pub fn flicker_of_walk(
     renderer: &mut Renderer,
     config: &Config,
@@ -134,7 +134,7 @@ pub fn flicker_of_walk(
     })
 }
 
-/// Refuses a config that has no two frames.
+/// Refuses a config with fewer than two frames.
 ///
 /// # Errors
 /// `BadInput`.
@@ -145,7 +145,7 @@ pub fn check(config: &Config) -> Result<()> {
     }
 }
 
-/// Whether neither the camera nor a light of a config moves by keyframes: if the scene does not either, its frames show how much a method flickers by itself.
+/// Whether no keyframes move the camera or a light of a config. If the scene does not move either, its frames show a method's own flicker.
 pub fn stands_still(config: &Config) -> bool {
     use crate::config::LightConfig;
     let lit_by_keyframes = |light: &LightConfig| match light {

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Culling of the scene's parts by VPL clusters: a part gets an instance for each cluster, or group of clusters, whose hemisphere it reaches into. A
-// cluster's map does not show what lies behind the cluster's plane.
+// Culling of the scene's parts by VPL clusters: one instance for each cluster that a part reaches into the hemisphere of, or for each group
+// with such a cluster. Geometry behind a cluster's plane is not in its map.
 #include "bounce/vpl-cluster.glsl"
 #include "bounce/limits.glsl"
 #include "lib/packing.glsl"
@@ -13,10 +13,10 @@ layout(constant_id = 0) const uint GROUP = 1;
 
 layout(scalar, push_constant) uniform Params {
     uint parts;
-    uint first;    // cluster, and how many of them
+    uint first;    // first cluster
     uint clusters;
     float far;     // metres
-    uint all;      // not 0 if everything is to be drawn
+    uint all;      // not 0 to draw everything
 } params;
 
 struct Arguments {
@@ -30,7 +30,7 @@ struct Arguments {
 layout(scalar) readonly buffer Clusters { VplCluster at[]; } clusters;
 layout(scalar) readonly buffer Parts { PartData at[]; } parts;
 layout(scalar) buffer ArgumentsOfParts { Arguments at[]; } arguments;
-layout(scalar) writeonly buffer Layers { uint at[]; } layers; // of a part's instances: clusters, or groups of them
+layout(scalar) writeonly buffer Layers { uint at[]; } layers; // cluster or group of each instance of a part
 
 void main() {
     uint part = gl_GlobalInvocationID.x;
@@ -42,7 +42,7 @@ void main() {
         for (uint k = begin; k < min(begin + GROUP, params.first + params.clusters); k++) {
             VplCluster cluster = clusters.at[k];
             vec3 n = octahedral_snorm16_inverse(cluster.normal);
-            // The height of the box's corner that is farthest along the normal.
+            // Height of the box's corner that is farthest along the normal.
             float height = dot(n, middle - cluster.position) + dot(abs(n), reach);
             seen = seen || (cluster.members > 0u && height > LEAST_HEIGHT * params.far);
         }

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// A triangle to the maps of eight clusters, an invocation each (Aranha et al., section III-C). An instance of the draw has eight.
+// Sends a triangle to the maps of eight clusters, an invocation each (Aranha et al., section III-C). An instance of the draw is for one
+// group of eight.
 #include "bounce/map.glsl"
 
 layout(triangles, invocations = 8) in;
@@ -40,7 +41,7 @@ void main() {
     vec3 local[3];
     for (int i = 0; i < 3; i++) local[i] = map_space(cluster, in_world[i]);
     float least = LEAST_HEIGHT * params.far;
-    // Nothing is before a cluster's plane, or the cluster has no members.
+    // Culled: behind the cluster's plane, or a cluster without members.
     if (max(max(local[0].z, local[1].z), local[2].z) <= least || cluster.members == 0u) return;
     for (int i = 0; i < 3; i++) {
         gl_Layer = int(layer);

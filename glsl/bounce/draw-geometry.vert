@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// World positions: the geometry stage sends triangles to the clusters.
+// World positions of vertices; the geometry stage sends triangles to the clusters.
 #include "bounce/vertex.glsl"
 
 layout(location = 0) out vec3 out_world;
@@ -9,7 +9,7 @@ layout(location = 1) out vec2 out_uv;
 layout(location = 2) out vec4 out_color;
 layout(location = 3) flat out uint out_group;
 
-layout(scalar) readonly buffer Layers { uint at[]; } layers; // of each part's instances
+layout(scalar) readonly buffer Layers { uint at[]; } layers; // group of each instance of a part
 
 out gl_PerVertex { vec4 gl_Position; };
 

@@ -2,7 +2,7 @@
 #extension GL_ARB_shader_viewport_layer_array : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// A vertex on its way to the map of one cluster.
+// Projects a vertex into the map of one cluster.
 #include "bounce/vertex.glsl"
 
 layout(location = 0) out vec3 out_local;

@@ -1,9 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// k-means over the VPLs' places and normals (Aranha et al., section III-B; the distance is Dong et al.'s, with the sign that its purpose
-// asks for). One workgroup. Its invocations share out the VPLs for the distances, and clusters and parts of the VPLs for the sums, whose
-// order is fixed.
+// k-means over the VPLs' positions and normals (Aranha et al., section III-B). The distance is that of Dong et al., with the sign that its
+// purpose asks for. There is one workgroup: for distances, an invocation takes a share of the VPLs; for sums, a cluster and a part of the
+// VPLs, so that the order of sums is fixed.
 #include "bounce/vpl-cluster.glsl"
 #include "lib/packing.glsl"
 #include "lib/pi.glsl"
@@ -12,20 +12,20 @@
 
 const uint INVOCATIONS = 256u;
 layout(local_size_x = 256) in;
-layout(constant_id = 0) const bool RESEED = false;       // every frame starts from other centres
-layout(constant_id = 1) const bool NEAREST_MEMBER = true; // represents its cluster, not the mean
+layout(constant_id = 0) const bool RESEED = false;       // every frame starts from new centres
+layout(constant_id = 1) const bool NEAREST_MEMBER = true; // the representative is a member, not the mean
 
 layout(scalar, push_constant) uniform Params {
     uint count;     // VPLs
     uint clusters;
-    uint rounds;    // at most
-    uint first_rounds; // where centres are new
+    uint rounds;    // rounds of a frame, at most
+    uint first_rounds; // rounds of the first frame, at most
     float place_weight; // w1 over the scene's diagonal
     float normal_weight; // w2
     uint seed;
 } params;
 
-// A cluster's history; zeros in the first frame.
+// State of a cluster that is kept from frame to frame; all zeros at first.
 struct Centre {
     vec3 position;
     vec3 normal;
@@ -34,11 +34,11 @@ struct Centre {
 layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) buffer Centres { Centre at[]; } centres;
-layout(scalar) buffer Frames { uint count; } frames; // that have had centres
+layout(scalar) buffer Frames { uint count; } frames; // number of frames that had centres
 layout(scalar) coherent buffer Labels { uint at[]; } labels;
 layout(scalar) writeonly buffer Clusters { VplCluster at[]; } clusters;
 layout(scalar) buffer Rounds { uint count; } rounds;
-layout(scalar) buffer Unsettled { uint count; } unsettled; // whether the last round still moved something
+layout(scalar) buffer Unsettled { uint count; } unsettled; // 1 if the last round still moved a VPL
 
 shared vec3 place[MOST_CLUSTERS];
 shared vec3 facing[MOST_CLUSTERS];
@@ -58,7 +58,7 @@ float distance_to(uint cluster, vec3 position, vec3 normal) {
     return params.place_weight * distance(position, place[cluster]) + params.normal_weight * (1.0 - clamp(dot(normal, facing[cluster]), 0.0, 1.0));
 }
 
-// Parts that the VPLs are cut into, and an invocation's: those beyond the last have none.
+// Number of parts that the VPLs are divided into; invocations beyond the last part have no VPLs.
 uint parts() { return INVOCATIONS / params.clusters; }
 
 void main() {
@@ -68,8 +68,9 @@ void main() {
 
     bool fresh = RESEED || frames.count == 0u;
     if (fresh) {
-        // Centres are VPLs with light, the first any, each further one the likelier the square of its distance from those that there are
-        // (k-means++): the least of exponential variates at that rate. Labels hold the distances till there are labels.
+        // Initial centres by k-means++: lit VPLs, the first chosen by weight alone, each further one with a probability in proportion to
+        // weight times squared distance from the centres before it. The draw is the least of exponential variates at that rate. Labels hold
+        // these distances until they hold labels.
         uint frame = RESEED ? frames.count : 0u;
         for (uint j = 0u; j < k; j++) {
             float least = 0.0;
@@ -100,7 +101,7 @@ void main() {
                         chosen = numbers[i];
                     }
                 }
-                // Fewer places than clusters: the rest stay empty.
+                // With fewer distinct VPLs than clusters, the other clusters stay empty.
                 place[j] = chosen != NO_CLUSTER ? places.at[chosen].position : j > 0u ? place[0] : vec3(0.0);
                 facing[j] = chosen != NO_CLUSTER ? normal_of(chosen) : j > 0u ? facing[0] : vec3(0.0, 1.0, 0.0);
             }
@@ -165,7 +166,7 @@ void main() {
             weights[me] = sum.w;
             if (sum.w > 0.0) {
                 place[me] = sum.xyz / sum.w;
-                // Normals that cancel leave the last one.
+                // Normals that cancel out keep the previous one.
                 if (dot(more, more) > 1e-12 * sum.w * sum.w) facing[me] = normalize(more);
             }
         }
@@ -173,7 +174,7 @@ void main() {
         numbers[me] = far;
         sums[me].x = farthest;
         barrier();
-        // An empty cluster takes the VPL that is farthest from its own: one a round.
+        // An empty cluster is moved to the VPL that is farthest from its own centre; one cluster a round.
         if (me == 0u) {
             uint empty = NO_CLUSTER;
             for (uint j = 0u; j < k; j++) {
@@ -188,7 +189,7 @@ void main() {
                         far = numbers[i];
                     }
                 }
-                // Less is rounding: there are no more places than clusters.
+                // A smaller distance is rounding: there are no more distinct VPLs than clusters.
                 if (farthest > 1e-5) {
                     place[empty] = places.at[far].position;
                     facing[empty] = normal_of(far);
@@ -202,7 +203,8 @@ void main() {
         if (moved) atomicAdd(unsettled.count, 1u);
     }
 
-    // Each cluster's representative and flux. The representative's map will find a share of the light to stay in the scene, so the flux is over that.
+    // The representative of each cluster, and the cluster's flux. Fluxes are weighted by the share kept in the scene, since the
+    // representative's map finds only the representative's share of directions to hit something.
     vec4 weighed = vec4(0.0);
     vec3 more = vec3(0.0);
     for (uint i = begin; i < end; i++) {
@@ -236,7 +238,7 @@ void main() {
         weights[me] = usual;
     }
     barrier();
-    // The representative sees about as much of the scene as the other members.
+    // The representative keeps at least half of the cluster's usual share in the scene.
     float least = 0.0;
     uint chosen = NO_CLUSTER;
     for (uint i = begin; i < end; i++) {
@@ -267,7 +269,7 @@ void main() {
     }
     clusters.at[me] = cluster;
     centres.at[me] = Centre(place[me], facing[me]);
-    // Frames without light leave no centres.
+    // Without any light there is no state to continue from.
     if (me == 0u) {
         bool any_lit = false;
         for (uint p = 0u; p < parts(); p++) {

@@ -1,6 +1,7 @@
-// VPLs count equally in k-means, as in the paper, and all their light may stay in the scene. Each part for "kept" defines these functions.
+// All light of VPLs is taken to stay in the scene, and all VPLs weigh the same, as in the paper. Each part for "kept" defines these
+// functions.
 
-// Share of VPL i's light that is thought to stay in the scene.
+// Estimated share of VPL i's reflected light that stays in the scene.
 float kept(uint i) { return 1.0; }
 
 // Weight of VPL i in its cluster's mean.

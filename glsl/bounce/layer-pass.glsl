@@ -1,2 +1,2 @@
-// One layer a pass.
+// Layer by pass: the scene is drawn for one cluster.
 uint layer_of() { return params.layer; }

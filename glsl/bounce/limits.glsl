@@ -1,2 +1,2 @@
-// Height above the cluster's plane from which on things are in the map; in units of the distance that the maps end at.
+// Least height of geometry in the map above the cluster's plane, in units of the maps' far distance.
 const float LEAST_HEIGHT = 1e-5;

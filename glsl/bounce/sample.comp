@@ -1,8 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// VPLs of the next bounce: samples of the clusters' maps, over the unit disk or, as a rival, the square around it (Aranha et al., section III-C). A
-// cluster radiates its flux by the cosine. A sample stands for its share of the disk's area, and for 4 / (1 + r^2)^2 times that as a solid angle.
+// VPLs of the next bounce: samples of the clusters' maps, over the unit disk or, as a rival, the square around it (Aranha et al., section
+// III-C). A cluster emits its flux with a cosine lobe. A sample represents its share of the disk's area, times 4 / (1 + r^2)^2 for solid
+// angle.
 #include "bounce/map.glsl"
 #include "lib/hammersley.glsl"
 #include "lib/permutation.glsl"
@@ -19,20 +20,20 @@ layout(scalar, push_constant) uniform Params {
 } params;
 
 layout(scalar) readonly buffer Clusters { VplCluster at[]; } clusters;
-layout(scalar) readonly buffer Starts { uint at[]; } starts; // a cluster's first VPL, and their number last
+layout(scalar) readonly buffer Starts { uint at[]; } starts; // first VPL of each cluster, and the number of VPLs last
 uniform sampler2DArray distances;
 uniform sampler2DArray normals;
 uniform sampler2DArray albedos;
 layout(scalar) writeonly buffer Places { VplPlace at[]; } places;
 layout(scalar) writeonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) writeonly buffer Areas { float at[]; } areas;
-layout(scalar) buffer Wasted { uint count; } wasted; // samples beside the disk
+layout(scalar) buffer Wasted { uint count; } wasted; // samples outside of the disk
 layout(scalar) buffer Lit { uint count; } lit;
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= params.count) return;
-    // Permuted, so that each sample set gets VPLs of every cluster.
+    // Permuted, so that every sample set of the pixels gets VPLs of every cluster.
     uint sample_index = permutation(index, params.count);
     uint number = 0u;
     while (starts.at[number + 1u] <= sample_index) number++;
@@ -63,7 +64,7 @@ void main() {
             place.normal = octahedral_snorm16(octahedral_inverse(texelFetch(normals, texel, 0).xy));
             float cosine = (1.0 - squared) / (1.0 + squared), solid_angle = 4.0 * area / ((1.0 + squared) * (1.0 + squared));
             intensity = cluster.flux * (cosine * solid_angle / PI) * texelFetch(albedos, texel, 0).rgb / PI;
-            // The beam's cross section. Light comes from all of the cluster's places, so it is no narrower than they are spread.
+            // Footprint of the beam, widened by the spread of the cluster's VPLs.
             beam = solid_angle * (d * d + cluster.spread);
         }
     }

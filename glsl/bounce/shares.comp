@@ -1,8 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Numbers of VPLs of the next bounce that clusters get: equal ones, or in proportion to the flux that each cluster sends on. In proportion, VPLs are about
-// equally strong, and none are spent on clusters that see the sky. One workgroup estimates the flux with a few samples of each map.
+// Number of VPLs of the next bounce for each cluster: equal, or in proportion to the flux that the cluster sends on. By flux, VPLs are
+// about equally strong, and none are spent on a cluster that sees the sky. There is one workgroup, which estimates that flux with a few
+// samples of each map.
 #include "bounce/map.glsl"
 #include "lib/color.glsl"
 #include "lib/hammersley.glsl"
@@ -21,9 +22,9 @@ layout(scalar, push_constant) uniform Params {
 layout(scalar) readonly buffer Clusters { VplCluster at[]; } clusters;
 uniform sampler2DArray distances;
 uniform sampler2DArray albedos;
-layout(scalar) writeonly buffer Starts { uint at[]; } starts; // a cluster's first VPL, and their number last
+layout(scalar) writeonly buffer Starts { uint at[]; } starts; // first VPL of each cluster, and the number of VPLs last
 
-const uint SAMPLES = 4u; // of a map by an invocation
+const uint SAMPLES = 4u; // samples of a map by one invocation
 shared float sums[INVOCATIONS];
 shared float passed[MOST_CLUSTERS];
 
@@ -49,7 +50,7 @@ void main() {
         barrier();
     }
     if (me > 0u) return;
-    // At least one each, where there are so many.
+    // Each cluster gets at least one VPL if there are enough.
     float total = 0.0;
     for (uint j = 0u; j < params.clusters; j++) total += passed[j];
     uint least = params.count >= params.clusters ? 1u : 0u, free = params.count - least * params.clusters;

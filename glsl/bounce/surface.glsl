@@ -1,4 +1,4 @@
-// A texel of a cluster's map: distance, geometric normal turned to the cluster, and albedo (Aranha et al., section III-C).
+// Texel of a cluster's map: distance, geometric normal flipped to face the cluster, and albedo (Aranha et al., section III-C).
 #include "bounce/map.glsl"
 #include "lib/scene.glsl"
 
@@ -19,8 +19,8 @@ layout(location = 2) out vec4 albedo;
 layout(scalar, push_constant) uniform Params {
     float far;        // metres
     float texel_size; // in [-1, 1]
-    float albedo_lod; // added to the mip level, so that the albedo is the mean over the area that a VPL stands for
-    uint layer;       // where a layer is drawn at a time
+    float albedo_lod; // mip bias: averages the albedo over a VPL's footprint
+    uint layer;       // the layer, if layers are drawn one a pass
     uint layers;
 } params;
 
@@ -44,19 +44,19 @@ void main() {
         metallic *= texture(metallic_roughness_map, map_coordinates(material.metallic_roughness_map, in_uv), params.albedo_lod).b;
     }
 
-    // Edges bend in this projection, and interpolated places with them, but within the triangle's plane. The plane gives the distance along the
-    // texel's own direction.
+    // Edges bend in this projection, so interpolated positions are off. But they stay in the triangle's plane, whose intersection with the
+    // texel's own direction gives the exact distance.
     vec3 along = paraboloid_inverse(gl_FragCoord.xy * params.texel_size - 1.0);
     vec3 n = normalize(cross(dFdx(in_local), dFdy(in_local)));
     float d = length(in_local), exact = dot(n, in_local) / dot(n, along);
-    // Flat on to the view, or too small for its derivatives.
+    // The interpolated distance is kept for grazing triangles, and for those too small for derivatives.
     if (exact > 0.5 * d && exact < 2.0 * d) d = exact;
     bool turned = dot(n, along) > 0.0;
     if (any(isnan(n))) n = -along;
     mat3 axes = basis_of(octahedral_snorm16_inverse(clusters.at[in_cluster].normal));
     bool lit = gl_FrontFacing || material.double_sided != 0u;
     distances = d / params.far;
-    // Not what is interpolated, which would let what lies just behind a large triangle through.
+    // Depth by the exact distance: the interpolated one would let surfaces just behind a large triangle through.
     gl_FragDepth = 1.0 - distances;
     normal = octahedral(axes * (turned ? -n : n));
     albedo = vec4(lit ? tint * (1.0 - metallic) : vec3(0.0), 1.0);

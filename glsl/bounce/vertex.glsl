@@ -1,4 +1,4 @@
-// A vertex on its way into the clusters' maps.
+// Vertex inputs of the clusters' maps.
 #include "bounce/map.glsl"
 #include "lib/scene.glsl"
 
@@ -17,4 +17,4 @@ layout(scalar, push_constant) uniform Params {
 } params;
 
 layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
-layout(scalar) readonly buffer Parts { PartData at[]; } parts; // by the first instance
+layout(scalar) readonly buffer Parts { PartData at[]; } parts; // indexed by the first instance

@@ -1,17 +1,17 @@
-// Rays through a scene whose surfaces may have holes.
+// Rays through a scene with alpha-masked surfaces.
 #include "bvh/traverse.glsl"
 #include "lib/color.glsl"
 #include "lib/packing.glsl"
 
-// What some material of the scene has; what none has costs nothing.
+// Features that any material of the scene has; absent features are compiled out.
 layout(constant_id = 100) const bool BASE_COLOR_MAPS = true;
 layout(constant_id = 104) const bool VERTEX_COLORS = true;
 
-// Of src/scene/bvh.rs and src/scene/traced.rs.
+// Bindings of src/world/bvh.rs and src/world/traced.rs.
 uniform usampler2D bvh_masks;
-uniform sampler2DArray texels; // of all textures, one after the other
+uniform sampler2DArray texels; // texels of all textures, one after the other
 
-// Where a map's texels are.
+// Location of a map's texels.
 struct TexelMap {
     uint first;
     uint size; // width, and height in the upper half; 0 where there is no map
@@ -34,20 +34,20 @@ vec4 decoded(TexelMap map, vec2 at) {
     return (map.how & SRGB_TEXELS) != 0u ? vec4(srgb_to_linear(t.rgb), t.a) : t;
 }
 
-// A coordinate, brought into [0, 1].
+// Texture coordinate wrapped into [0, 1].
 float wrapped(float u, uint wrap) {
     float repeated = u - floor(u);
     float mirrored = 1.0 - abs(fract(u * 0.5) * 2.0 - 1.0);
     return wrap == WRAP_REPEAT ? repeated : wrap == WRAP_MIRRORED ? mirrored : clamp(u, 0.0, 1.0);
 }
 
-// A texel's number beside the edge: on the other side where the texture repeats, else the edge's.
+// Texel index beyond an edge: the other side's if the texture repeats, else the edge's.
 float neighbour(float i, float size, uint wrap) {
     if (wrap == WRAP_REPEAT) i += i < 0.0 ? size : i >= size ? -size : 0.0;
     return clamp(i, 0.0, size - 1.0);
 }
 
-// A texture where the rasterizer would look it up, from the finest mip: sharper than that, and as sharp from everywhere.
+// Texture lookup with the rasterizer's coordinates, in the finest mip: sharper than the rasterizer's, and independent of the view.
 vec4 look_up_at(TexelMap map, vec2 p) {
     if (map.size == 0u) return vec4(1.0);
     vec2 size = vec2(map.size & 0xffffu, map.size >> 16);
@@ -64,7 +64,7 @@ vec4 look_up_at(TexelMap map, vec2 p) {
 }
 
 bool is_hole(uint mask, vec2 barycentric) {
-    // See src/scene/bvh.rs.
+    // The layout is `Mask` of src/world/bvh.rs.
     uint i = 3u * mask;
     uvec4 a = texelFetch(bvh_masks, ivec2(i & 4095u, i >> 12), 0);
     uvec4 b = texelFetch(bvh_masks, ivec2((i + 1u) & 4095u, (i + 1u) >> 12), 0);
@@ -73,19 +73,19 @@ bool is_hole(uint mask, vec2 barycentric) {
     vec2 place = weights.x * uintBitsToFloat(a.xy) + weights.y * uintBitsToFloat(a.zw) + weights.z * uintBitsToFloat(b.xy);
     float alpha = uintBitsToFloat(c.y);
     if (VERTEX_COLORS) alpha *= dot(weights, unpackUnorm4x8(c.z).xyz);
-    // Alpha has no curve.
+    // Alpha is linear.
     if (BASE_COLOR_MAPS) alpha *= look_up_at(TexelMap(b.z, b.w, c.x & ~SRGB_TEXELS), place).a;
     return alpha < uintBitsToFloat(c.w);
 }
 
-// The nearest surface from t_min on.
+// Nearest hit from t_min on.
 Hit nearest(Ray ray, float t_min, bool from_camera) { return traverse(ray, 0u, t_min, 1e30, false, from_camera); }
 
-// Whether a surface lies on a ray before t_max.
+// Whether there is a hit before t_max.
 bool is_occluded(Ray ray, float t_max) { return traverse(ray, 0u, 0.0, t_max, true, false).triangle != NO_TRIANGLE; }
 
-// A point just off a surface, on the side of its normal, so that a ray from there does not meet it again (Wächter and Binder 2019):
-// by so many steps of the floats that the coordinates are.
+// Position moved off a surface along its normal by a number of float steps, so that a ray from there does not hit the surface again
+// (Wächter and Binder 2019).
 vec3 off_surface(vec3 position, vec3 normal) {
     ivec3 steps = ivec3(256.0 * normal);
     vec3 moved = intBitsToFloat(floatBitsToInt(position) + mix(steps, -steps, lessThan(position, vec3(0.0))));

@@ -1,4 +1,4 @@
-// What a ray meets: surfaces with their materials.
+// Surfaces at hits, with their materials.
 #include "bvh/hole.glsl"
 
 layout(constant_id = 101) const bool METALLIC_ROUGHNESS_MAPS = true;
@@ -7,7 +7,7 @@ layout(constant_id = 103) const bool NORMAL_MAPS = true;
 layout(constant_id = 106) const bool EMISSION = true;
 layout(constant_id = 107) const bool METALS = true;
 
-// The reflection cannot evaluate what is made of these constants by an operator: functions hide it from there.
+// The reflection of shaders cannot evaluate expressions of these constants; functions hide them from it.
 bool without(bool some) { return !some; }
 bool either(bool one, bool other) { return one || other; }
 
@@ -15,7 +15,7 @@ uniform usampler2D bvh_corners;
 uniform usampler2D bvh_colors;
 uniform usampler2D materials;
 
-// A material's maps, by their number in it.
+// Indices of a material's maps.
 const uint BASE_COLOR = 0u;
 const uint METALLIC_ROUGHNESS = 1u;
 const uint EMITTED = 2u;
@@ -28,19 +28,19 @@ vec4 material_numbers(uint material, uint i) {
 
 struct Surface {
     vec3 position;
-    vec3 geometric_normal; // turned to where the ray came from
-    vec3 normal;           // for shading; turned by the same sign, which may leave it facing away at grazing angles
+    vec3 geometric_normal; // flipped to face the ray's origin
+    vec3 normal;           // shading normal; flipped by the same sign, so it may face away at grazing angles
     vec3 albedo;           // base colour
     float metallic;
     float roughness;
-    vec3 emission;         // radiance towards where the ray came from
+    vec3 emission;         // radiance towards the ray's origin
     float emitter_density;
     bool front;
     bool double_sided;
-    float reach;           // the largest coordinate of its triangle, which the rounding of the position is a part of
+    float reach;           // largest coordinate of its triangle, to which the position's rounding error is relative
 };
 
-// A material's map at a place of the surface; white where it has none.
+// Lookup of a material's map; white if there is none.
 vec4 look_up(uint material, uint which, vec2 uv) {
     vec4 matrix = material_numbers(material, 3u + 3u * which), place = material_numbers(material, 4u + 3u * which);
     TexelMap map = TexelMap(floatBitsToUint(place.z), floatBitsToUint(place.w), floatBitsToUint(material_numbers(material, 5u + 3u * which).x));
@@ -49,18 +49,18 @@ vec4 look_up(uint material, uint which, vec2 uv) {
 
 uvec4 corner_texel(uint i) { return texelFetch(bvh_corners, ivec2(i & 4095u, i >> 12), 0); }
 
-// Radiance that a material emits at a place of its textures.
+// Emitted radiance of a material at texture coordinates.
 vec3 emission_at(uint material, vec2 uv) {
     vec3 emission = material_numbers(material, 1u).rgb;
     if (EMISSION_MAPS) emission *= look_up(material, EMITTED, uv).rgb;
     return emission;
 }
 
-// What a hit shines by itself towards where the ray came from.
+// Emission of a hit towards the ray's origin.
 struct Shine {
     vec3 emission;         // radiance
-    float emitter_density; // by which its point is sampled as a light, 1/m^2
-    float cosine;          // of the ray to the surface
+    float emitter_density; // density by which the point is sampled as a light, 1/m^2
+    float cosine;          // cosine between ray and geometric normal
 };
 
 Shine shine_at(Ray ray, Hit hit) {
@@ -76,7 +76,7 @@ Shine shine_at(Ray ray, Hit hit) {
     return Shine(emission_at(ta.w, uv), material_numbers(ta.w, 1u).w, abs(cosine));
 }
 
-// All of a hit.
+// Full surface at a hit.
 Surface surface_at(Ray ray, Hit hit) {
     uvec4 ta = triangle_texel(3u * hit.triangle), tb = triangle_texel(3u * hit.triangle + 1u), tc = triangle_texel(3u * hit.triangle + 2u);
     uvec4 ca = corner_texel(3u * hit.triangle), cb = corner_texel(3u * hit.triangle + 1u), cc = corner_texel(3u * hit.triangle + 2u);

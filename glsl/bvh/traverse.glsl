@@ -1,20 +1,21 @@
-// Rays through the bounding volume hierarchy of src/scene/bvh.rs. Whoever includes it defines
+// Traversal of the bounding volume hierarchy of src/world/bvh.rs. An includer defines
 //     bool is_hole(uint mask, vec2 weights);
-// whether the masked triangle of that mask has a hole at barycentric weights of its second and third corner.
+// the alpha test of the masked triangle with this mask, at barycentric weights of its second and third corner.
 #include "lib/ray.glsl"
 
 layout(constant_id = 105) const bool MASKS = true;        // whether the scene has masked materials
 layout(constant_id = 108) const bool SINGLE_SIDES = true; // and single-sided ones
 
 struct Bvh {
-    vec3 origin; // of the grid that boxes lie on
+    vec3 origin; // lower corner of the boxes' grid
     float padding0;
     vec3 cell;
     float padding1;
 };
 
 layout(scalar) uniform BvhBlock { Bvh it; } bvh;
-// Loaded and not fetched: a software driver works a mip out for each texel that is fetched, which takes most of the traversal.
+// Storage images, since a software driver computes a mip level for each texel that is fetched from a sampler, which took most of the
+// traversal.
 layout(rgba32ui) readonly uniform uimage2D bvh_nodes;
 layout(rgba32ui) readonly uniform uimage2D bvh_triangles;
 
@@ -30,7 +31,7 @@ const uint MASK_SHIFT = 2u;
 
 struct Hit {
     float t;         // in units of the ray's direction
-    uint triangle;   // its number in the hierarchy, or NO_TRIANGLE
+    uint triangle;   // number in the hierarchy, or NO_TRIANGLE
     vec2 weights;    // barycentric, of the second and the third corner
 };
 
@@ -39,7 +40,7 @@ bool is_hole(uint mask, vec2 weights);
 uvec4 node_texel(uint i) { return imageLoad(bvh_nodes, ivec2(i & 4095u, i >> 12)); }
 uvec4 triangle_texel(uint i) { return imageLoad(bvh_triangles, ivec2(i & 4095u, i >> 12)); }
 
-// Where a ray enters and leaves a box of the grid. Signed, since that is the conversion to floats that processors have.
+// Distances at which a ray enters and leaves a box of the grid. The conversion to float is from signed integers, as processors have it.
 vec2 hit_box(uvec3 planes, vec3 scale, vec3 offset) {
     vec3 lower = vec3(ivec3(planes & 0xffffu)) * scale + offset;
     vec3 upper = vec3(ivec3(planes >> 16)) * scale + offset;
@@ -47,11 +48,11 @@ vec2 hit_box(uvec3 planes, vec3 scale, vec3 offset) {
     return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
 }
 
-// Set where a driver has ended a loop before its time, as llvmpipe does after 65,535 turns of all loops of an invocation together.
+// Set if a driver ended a loop early, as llvmpipe does after 65,535 turns of all loops of an invocation together.
 bool unfinished = false;
 
-// The nearest hit under a root from t_min on and before t_max; of equal distances that of the lower number. Holes are none, and
-// neither are to the camera the backs of single-sided surfaces. Where `any`, some hit.
+// Nearest hit below a root, from t_min on and before t_max; at equal distances the lower number wins. Holes do not count, nor do backs of
+// single-sided surfaces if `from_camera`. `any` returns the first hit found.
 Hit traverse(Ray ray, uint root, float t_min, float t_max, bool any, bool from_camera) {
     vec3 scale = bvh.it.cell * ray.inverse;
     vec3 offset = (bvh.it.origin - ray.origin) * ray.inverse;
@@ -59,7 +60,8 @@ Hit traverse(Ray ray, uint root, float t_min, float t_max, bool any, bool from_c
     uint top = 0u;
     Hit hit = Hit(t_max, NO_TRIANGLE, vec2(0.0));
     uint at = root;
-    // The look at a masked triangle's texture stands outside: lanes go on to their next masked triangle before any looks.
+    // The texture lookup of masked triangles is outside of the inner loop: all lanes advance to their next masked triangle before any lane
+    // looks up a texture.
     while (at != DONE) {
         Hit masked = Hit(0.0, NO_TRIANGLE, vec2(0.0));
         uint mask = 0u;
@@ -69,8 +71,8 @@ Hit traverse(Ray ray, uint root, float t_min, float t_max, bool any, bool from_c
                 vec2 ta = hit_box(a.xyz, scale, offset), tb = hit_box(b.xyz, scale, offset);
                 bool into_a = max(ta.x, t_min) <= min(ta.y, hit.t), into_b = max(tb.x, t_min) <= min(tb.y, hit.t);
                 bool a_first = ta.x <= tb.x;
-                // Few branches: a driver that runs all lanes together takes both sides of each, and branches for each lane of a
-                // store. Stored unconditionally: `top` moves only if both children are hit; otherwise the next push overwrites the entry.
+                // Few branches: a driver that runs lanes in lockstep executes both sides, and branches for each lane of a store. The store
+                // is unconditional: `top` moves only if both children are hit, else the next push overwrites the entry.
                 bool both = into_a && into_b;
                 at = both ? (a_first ? a.w : b.w) : into_a ? a.w : b.w;
                 stack[top] = a_first ? b.w : a.w;
@@ -80,7 +82,7 @@ Hit traverse(Ray ray, uint root, float t_min, float t_max, bool any, bool from_c
                     top = max(top, 1u) - 1u;
                 }
             }
-            // A masked triangle that is met ends the look at the leaf.
+            // A hit masked triangle interrupts the leaf.
             uint i = at & ((1u << COUNT_SHIFT) - 1u), end = at == DONE ? i : i + ((at >> COUNT_SHIFT) & 7u) + 1u;
             while (i < end && masked.triangle == NO_TRIANGLE) {
                 vec3 a = uintBitsToFloat(triangle_texel(3u * i).xyz);

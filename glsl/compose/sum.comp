@@ -1,19 +1,19 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The sum of each pixel's light, and the picture of it. Albedo is multiplied in here, after filtering, so that textures stay sharp.
+// Sums the light of each pixel and tone-maps it. Albedo is multiplied in here, after filtering, so that textures stay sharp.
 #include "lib/color.glsl"
 #include "lib/pi.glsl"
 #include "lib/view.glsl"
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool REINHARD = true;
-layout(constant_id = 1) const bool REFLECTION = false; // surfaces reflect indirect light by their gloss
+layout(constant_id = 1) const bool REFLECTION = false; // whether there is glossily reflected indirect light
 
 layout(scalar, push_constant) uniform Params {
     vec3 environment; // radiance where there is no surface
     float exposure;
-    vec3 background;  // added to the picture there; no light
+    vec3 background;  // added there for display; it is no light
 } params;
 
 layout(scalar) uniform ViewBlock { View it; } view;

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
-// The mean of the moments along a column.
+// Mean of the moments along a column.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(scalar, push_constant) uniform Params {

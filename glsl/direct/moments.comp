@@ -22,7 +22,7 @@ void main() {
     vec2 sum = vec2(0.0);
     for (int offset = -params.radius; offset <= params.radius; offset++) {
         int x = clamp(texel.x + offset, 0, params.size.x - 1);
-        // Where nothing was drawn, a distance beyond everything that was.
+        // An empty texel gets a distance beyond all surfaces.
         float depth = max(texelFetch(rsm_depth, ivec3(x, texel.yz), 0).r, light.kind == DIRECTIONAL ? 0.0 : 1e-4);
         float distance = light_distance(light, depth);
         sum += vec2(distance, distance * distance);

@@ -1,8 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Direct light at a pixel. A part for "shadow" defines the share of a light, or of one face of a point light, that arrives at a point of a surface:
+// Direct light at a pixel. Each part for "shadow" defines
 //     float visibility(Light light, uint layer, vec3 x, vec3 n);
+// the share of a light, or of one face of a point light, that arrives at a point of a surface.
 #include "gbuffer/receiver.glsl"
 #include "lib/brdf.glsl"
 #include "lib/color.glsl"
@@ -11,7 +12,7 @@
 layout(local_size_x = 32, local_size_y = 2) in;
 layout(constant_id = 0) const bool GLOSSY_DIELECTRIC = false;
 layout(constant_id = 1) const uint LIGHT_KIND = 4; // of all lights, or MIXED
-layout(constant_id = 2) const bool METALS = true;  // whether the scene has any
+layout(constant_id = 2) const bool METALS = true;  // whether the scene has metals
 
 layout(scalar, push_constant) uniform Params {
     uint lights;

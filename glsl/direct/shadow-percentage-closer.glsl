@@ -1,4 +1,4 @@
-// Percentage-closer filtering (Reeves et al. 1987) over a window of 2 radius + 1 texels.
+// Shadows by percentage-closer filtering (Reeves et al. 1987) over a window of 2 radius + 1 texels.
 #include "direct/in-map.glsl"
 
 uniform sampler2DArray rsm_depth;
@@ -10,7 +10,7 @@ float shadow(Light light, uint layer, vec2 uv, float distance) {
     float lit = 0.0, total = 0.0;
     for (int y = low.y; y < high.y; y++) {
         for (int x = low.x; x < high.x; x++) {
-            // How much of the texel the window covers.
+            // Area of the texel that the window covers.
             vec2 covered = min(vec2(x, y) + 1.0, center + reach) - max(vec2(x, y), center - reach);
             float weight = covered.x * covered.y;
             ivec2 texel = clamp(ivec2(x, y), ivec2(0), params.map_size - 1);

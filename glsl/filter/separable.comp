@@ -1,11 +1,12 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// One direction of a separable filter that keeps to a pixel's own surface. A part for "weights" defines the weight of a pixel by its offset, 0 from the
-// radius on, and by its surface: its distance from the filtered pixel's tangent plane, over `plane_distance`, and the cosine between the normals. The second
-// weight is 1 for the pixel itself.
+// One direction of a separable filter that keeps to a pixel's own surface. Each part for "weights" defines
 //     float weight_of(int offset, int radius);
+// the weight of a pixel at an offset, 0 from the radius on; and
 //     float likeness(float off_plane, float cosine, float min_cosine);
+// the weight of a pixel by its distance from the tangent plane, in units of `plane_distance`, and by the cosine between normals. It is 1
+// for the pixel itself.
 #include "lib/packing.glsl"
 #include "lib/view.glsl"
 
@@ -15,7 +16,7 @@ layout(constant_id = 0) const bool VERTICAL = false;
 layout(scalar, push_constant) uniform Params {
     int radius;               // the weight is 0 at this distance, pixels
     float min_cosine;         // between normals
-    float plane_distance;     // from the pixel's tangent plane, as a share of its distance to the camera
+    float plane_distance;     // limit of the distance from the tangent plane, relative to the pixel's distance
 } params;
 
 layout(scalar) uniform ViewBlock { View it; } view;

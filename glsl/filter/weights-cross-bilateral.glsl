@@ -1,5 +1,6 @@
-// A cross bilateral filter (Eisemann and Durand 2004; Petschnigg et al. 2004) by the G-buffer, along rows and columns. Its Gaussians are e^-2 at the
-// thresholds. In the picture's plane weights fall linearly, so that the interleaving's pattern goes entirely.
+// A cross bilateral filter (Eisemann and Durand 2004; Petschnigg et al. 2004) guided by the G-buffer, along rows and columns. The Gaussians
+// of plane distance and normal are at e^-2 at the thresholds. In the picture's plane weights are a tent, which removes the interleaving's
+// pattern entirely.
 float weight_of(int offset, int radius) { return float(radius - abs(offset)); }
 
 float likeness(float off_plane, float cosine, float min_cosine) {

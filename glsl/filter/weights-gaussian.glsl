@@ -1,5 +1,5 @@
-// A bilateral filter with a Gaussian's weights (Aranha et al., section III-D); the standard deviation is a third of the radius. With twice the
-// interleaving's n as the radius they sum to the same over every sample set, to a hundredth.
+// Gaussian weights (Aranha et al., section III-D) with a standard deviation of a third of the radius, cut off at the radius. With a radius
+// of twice the interleaving's n they sum to the same over every sample set within a hundredth.
 float weight_of(int offset, int radius) {
     float deviations = 3.0 * float(offset) / float(radius);
     return exp(-0.5 * deviations * deviations);

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The sum of what two lists of VPLs give.
+// Sum of the images of two bounces' VPLs.
 #include "lib/color.glsl"
 
 layout(local_size_x = 64, local_size_y = 1) in;

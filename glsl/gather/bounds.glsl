@@ -1,12 +1,12 @@
-// The bounds of VPLs' ranges: spheres of diffuse VPLs, spheroids of glossy ones.
+// Hulls of VPLs' ranges: of the spheres of diffuse VPLs, or the spheroids of glossy ones.
 #include "lib/range.glsl"
 
-layout(constant_id = 1) const bool GLOSSY = false; // which of the two
+layout(constant_id = 1) const bool GLOSSY = false; // whether the VPLs are glossy
 
 layout(scalar) readonly buffer Spheres { vec4 at[]; } spheres;
 layout(scalar) readonly buffer Spheroids { Spheroid at[]; } spheroids;
 
-// A point of the unit sphere on the bounds of VPL number `index`, in the view's space; whether there are any.
+// Maps a point around the unit sphere to the range of VPL `index`, in view space; false if the range is empty.
 bool on_bounds(uint index, vec3 unit, out vec3 point, out vec3 centre) {
     if (GLOSSY) {
         Spheroid it = spheroids.at[index];

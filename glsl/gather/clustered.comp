@@ -3,12 +3,12 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
-// The gather with clustered culling (Linke 2016, section 4.6.1): each pixel runs through its froxel's light list. A subgroup takes
-// the froxels that its pixels lie in one after the other, so that it can still hand its VPLs round.
+// Gather with clustered culling (Linke 2016, section 4.6.1): each pixel sums its froxel's light list. A subgroup processes the froxels of
+// its pixels one after the other, so that it can still share VPLs among its lanes.
 #include "gather/froxel.glsl"
 #include "gather/per-pixel.glsl"
 
-layout(constant_id = 1) const uint PARTS = 16; // of a light list, INTERLEAVE^2 or a multiple
+layout(constant_id = 1) const uint PARTS = 16; // parts of a light list, INTERLEAVE^2 or a multiple
 
 layout(scalar) readonly buffer Rows { uint at[]; } rows;
 layout(scalar) readonly buffer Lists { uint at[]; } lists;

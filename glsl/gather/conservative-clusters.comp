@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The gather of conservative clusters: each pixel sums the VPLs on its froxel's lists.
+// Gather by the linked light lists of froxels.
 #include "gather/shadow-none.glsl"
 #include "gather/stochastic.glsl"
 #include "gather/shell-froxel.glsl"
@@ -19,7 +19,7 @@ const uint END = 0xffffffffu;
 float reflect_from(inout Pixel p, vec3 light, vec3 to_light) { return 1.0; }
 
 void main() {
-    // Neighbouring workgroups take the sample sets of the same block of pixels.
+    // Neighbouring workgroups process the sample sets of the same block of pixels.
     uvec2 set = gl_WorkGroupID.xy % INTERLEAVE, place = gl_WorkGroupID.xy / INTERLEAVE * 8u + gl_LocalInvocationID.xy;
     ivec2 pixel = ivec2(place * INTERLEAVE + set);
     if (any(greaterThanEqual(uvec2(pixel), uvec2(view.it.width, view.it.height)))) return;

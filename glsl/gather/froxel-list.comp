@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The list of used froxels, and the place of each in it. One workgroup, in the tiles' order: with an atomic counter the list would
-// differ from run to run.
+// List of the used froxels, and the index of each froxel in it. One workgroup goes through the tiles in order: with an atomic counter, each
+// run would give another order.
 #include "gather/froxel.glsl"
 
 layout(local_size_x = 64) in;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Bits of the slices of each tile that hold pixels: a workgroup a tile.
+// Mask of the depth slices of each tile that hold pixels, a workgroup a tile.
 #include "gather/froxel.glsl"
 
 layout(local_size_x = 16, local_size_y = 16) in;

@@ -1,15 +1,15 @@
 #ifndef FROXEL_GLSL
 #define FROXEL_GLSL
-// Froxels, and the test whether a VPL shines into one.
+// Parts of the view's frustum, and the test of VPLs against them.
 #include "lib/view.glsl"
 
-// The part of the view's frustum between two distances along its axis, within a rectangle of pixels.
+// The part of the view's frustum between two distances along its axis, in a rectangle of pixels.
 struct Frustum {
     vec3 eye;
     vec3 rays[4]; // to the rectangle's corners, of length 1 along the axis
     float near;
     float far;
-    float slack; // metres, far over what rounding moves a point by
+    float slack; // metres, far more than the rounding of positions
 };
 
 Frustum frustum(View view, ivec2 low, ivec2 high, float near, float far) {
@@ -26,7 +26,7 @@ Frustum frustum(View view, ivec2 low, ivec2 high, float near, float far) {
     return f;
 }
 
-// Whether a VPL sees any of the eight corners, and so perhaps something between them. Nobody sees an empty part.
+// Whether a VPL's hemisphere reaches into the frustum: whether any of the eight corners is in front of it. An empty frustum is never lit.
 bool is_lit(Frustum f, vec3 position, vec3 facing) {
     float from_eye = dot(facing, f.eye - position);
     float most = -1.0;
@@ -37,8 +37,8 @@ bool is_lit(Frustum f, vec3 position, vec3 facing) {
     return f.near <= f.far && most > -f.slack;
 }
 
-// Froxels (Linke 2016, section 4.6.1): tiles of 128 x 128 pixels, cut into 16 slices by distance. The first slice is a larger one
-// (Persson and Olsson 2013); from its end on they grow by a constant factor, to the scene's diagonal.
+// Froxels (Linke 2016, section 4.6.1): tiles of 128 x 128 pixels, cut into 16 slices by distance. The first slice is larger (Persson and
+// Olsson 2013); the others grow by a constant factor, up to the scene's diagonal.
 const int FROXEL_TILE = 128;
 const uint SLICES = 16u;
 const float FIRST_SLICE = 1.0 / 32.0; // of the diagonal
@@ -48,7 +48,7 @@ uint slice_of(View view, float distance) {
     return uint(clamp(t * float(SLICES - 1u) + 1.0, 0.0, float(SLICES) - 0.5));
 }
 
-// Distance where a slice begins. The last one has no end.
+// Near distance of a slice. The last slice has no end.
 float slice_begin(View view, uint slice) {
     return slice == 0u ? 0.0 : FIRST_SLICE * view.diagonal * exp2(-log2(FIRST_SLICE) * (float(slice) - 1.0) / float(SLICES - 1u));
 }

@@ -1,27 +1,27 @@
-// The look-up of a receiver in an imperfect shadow map.
+// Lookup of a receiver in an imperfect shadow map.
 #include "lib/paraboloid.glsl"
 #include "visibility/ism.glsl"
 
 layout(constant_id = 2) const bool BILINEAR = true;
 
 layout(scalar) uniform IsmBlock {
-    float far;     // the distance that 1 stands for, metres
+    float far;     // distance of the value 1, metres
     float bias;    // widths of a texel
     int size;      // side of a map, texels
     uint columns;  // maps side by side
 } ism;
 layout(r32f) readonly uniform image2D maps;
 
-// The share of light that arrives. Given are the map's axes and corner; the receiver's normal; the way from there to the map's place, its squared length,
-// and the cosines to the map's normal and to the receiver's, both times the length.
+// Unoccluded share of a receiver. Arguments: the map's axes and corner, the receiver's normal, the vector `way` to the map's place with its
+// squared length, and the cosines to the map's normal and to the receiver's, both times the length.
 float lit_in_map(vec3 across, vec3 up, ivec2 corner, vec3 normal, vec3 way, float squared, float from, float to) {
     float d = sqrt(squared);
-    // 2 (d + from) / size is what a texel's width comes to at the receiver.
+    // 2 (d + from) / size is the width of a texel at the receiver.
     float sum = max(d + from, 1e-12);
     vec2 p = vec2(dot(across, way), dot(up, way)) / -sum;
     float size = float(ism.size);
     vec2 at = (p * 0.5 + 0.5) * size;
-    // The surface runs deeper across a texel the more it slopes: by its width over the cosine, at most.
+    // The depth of a sloped surface varies across a texel by at most the texel's width over the cosine.
     float hidden = d * to - ism.bias * 2.0 / size * sum * d, unit = to * ism.far;
     if (BILINEAR) {
         at = clamp(at - 0.5, 0.0, size - 1.0);

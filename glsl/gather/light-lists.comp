@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The light lists of the used froxels: a workgroup a froxel, an invocation a part of its list, so that parts keep the VPLs' order. Part p holds
-// those of VPLs p, p + PARTS, ... that see any of the froxel's corners.
+// Light lists of the used froxels: a workgroup a froxel, an invocation a part of its list, so that parts keep the VPLs' order. Part p holds
+// those of the VPLs p, p + PARTS, ... whose hemisphere reaches into the froxel.
 #include "gather/froxel.glsl"
 #include "lib/packing.glsl"
 #include "lib/vpl.glsl"

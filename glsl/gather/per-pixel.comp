@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
-// The gather without culling: all VPLs of the set.
+// Gather without culling: all VPLs of the sample set.
 #include "gather/per-pixel.glsl"
 
 void main() {
@@ -13,13 +13,13 @@ void main() {
     const uint SETS = INTERLEAVE * INTERLEAVE;
     uint first = sample_set().y * INTERLEAVE + sample_set().x;
     uint count = first < params.count ? (params.count - first + SETS - 1u) / SETS : 0u;
-    // Each invocation of a subgroup fetches and unpacks another VPL and hands it round; all add up all of them in the same order,
-    // whatever the subgroup's size.
+    // Each lane of a subgroup fetches and unpacks one VPL and broadcasts it. All lanes sum all VPLs in the same order, whatever the
+    // subgroup's size.
     uint lanes = min(gl_SubgroupSize, 32u);
     for (uint start = 0u; start < count; start += lanes) {
         Vpl mine = vpl(first + min(start + gl_SubgroupInvocationID, count - 1u) * SETS, start + gl_SubgroupInvocationID < count);
         uvec4 see = seen(pixel, start);
-        // Four at a time: llvmpipe ends all loops of an invocation together after 65,535 turns.
+        // Unrolled by four: llvmpipe ends all loops of an invocation together after 65,535 turns.
         for (uint lane = 0u; lane < lanes; lane += 4u) {
             shade_by(pixels, mine, lane, see);
             shade_by(pixels, mine, lane + 1u, see);

@@ -1,5 +1,5 @@
-// The gather per pixel, whatever its culling. Pixels of an n x n pattern take one n^2-th of the VPLs each (Linke 2016, section 4.5). A workgroup takes
-// pixels n apart, so that all its invocations run through the same VPLs while it reads and writes the G-buffer's own pixels.
+// Irradiance from virtual point lights. A pixel of an n x n pattern sums one n^2-th of the VPLs. A workgroup takes pixels n apart, so that
+// all of them sum the same VPLs while they access the G-buffer in place (Linke 2016, 4.5).
 #include "part/shadow=gather/shadow-none"
 #include "gbuffer/receiver.glsl"
 #include "lib/color.glsl"
@@ -9,7 +9,7 @@
 
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(constant_id = 0) const uint INTERLEAVE = 1;
-layout(constant_id = 3) const bool DISKS = false; // VPLs shine as disks
+layout(constant_id = 3) const bool DISKS = false; // VPLs are disk emitters
 
 layout(scalar, push_constant) uniform Params {
     uint count;
@@ -35,7 +35,7 @@ void store(Pixel p) {
 
 #include "gather/quad.glsl"
 
-// A VPL, ready to shine on pixels.
+// A VPL, unpacked.
 struct Vpl {
     vec3 position;
     vec3 facing;
@@ -44,11 +44,11 @@ struct Vpl {
     Shadow shadow;
 };
 
-// VPL number `index`; one that is not `there` is dark.
+// VPL `index`; dark unless `there`.
 Vpl vpl(uint index, bool there) {
     VplPlace place = places.at[index];
     vec3 facing = octahedral_snorm16_inverse(place.normal);
-    // Disks overlap their neighbours, as the kernels of a reconstruction do: they reach to the diagonal ones of a grid.
+    // Disks overlap their neighbours, as reconstruction kernels do: they reach to the diagonal neighbours of a grid.
     float spread = 0.0;
     if (DISKS) spread = max(2.0 * areas.at[index], params.squared_min_distance);
     return Vpl(place.position, facing, there ? intensities.at[index] : vec3(0.0), spread, shadow_of(index, place.position, facing));
@@ -59,7 +59,8 @@ Vpl hand_round(Vpl mine, uint lane) {
                subgroupBroadcast(mine.spread, lane), hand_round(mine.shadow, lane));
 }
 
-// A VPL radiates intensity * cosine; d_min bounds what nears infinity as the two points meet, and is the least radius of a disk.
+// Light of a VPL of radiant intensity `intensity` * cosine. d_min bounds the singularity of close points, and is the least radius of a
+// disk.
 void shade(inout Pixel p, Vpl vpl, float visible) {
     vec3 way = vpl.position - p.at.position;
     float squared = dot(way, way);
@@ -76,13 +77,13 @@ void shade(inout Quad q, Vpl vpl, vec4 visible) {
     shade(q.d, vpl, visible.w);
 }
 
-// The VPL of the subgroup's invocation `lane` shines on the pixels whose words have bit `lane`.
+// Sums the VPL of lane `lane` at the pixels whose words have bit `lane`.
 void shade_by(inout Quad q, Vpl mine, uint lane, uvec4 see) { shade(q, hand_round(mine, lane), vec4((see >> lane) & 1u)); }
 
-// Neighbouring workgroups take the sample sets of the same block of pixels.
+// Neighbouring workgroups process the sample sets of the same block of pixels.
 uvec2 sample_set() { return gl_WorkGroupID.xy % INTERLEAVE; }
 
-// First of the pixels that a workgroup and those beside it with other sets share out.
+// Corner of the block of pixels that a workgroup shares with its neighbours of other sample sets.
 ivec2 block_corner(uvec2 group) { return ivec2(group / INTERLEAVE * gl_WorkGroupSize.xy * 2u * INTERLEAVE); }
 
 ivec2 first_pixel() { return block_corner(gl_WorkGroupID.xy) + ivec2(gl_LocalInvocationID.xy * 2u * INTERLEAVE + sample_set()); }

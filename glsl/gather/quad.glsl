@@ -1,4 +1,4 @@
-// 2 x 2 pixels of a sample set, INTERLEAVE apart: an invocation fetches a VPL once for all four. Whoever includes it defines a pixel and its end:
+// Quads: 2 x 2 pixels of a sample set, INTERLEAVE apart. An invocation fetches a VPL once for all four. An includer defines
 //     struct Pixel; // its Receiver is `at`
 //     Pixel pixel_at(ivec2 place);
 //     void store(Pixel p);

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// How far each VPL shines in this frame: by a random number each, so that nothing is lost on average (Tokuyoshi and Harada 2017,
+// Stochastic range of each VPL in this frame, by one random number a VPL; the expected light is unchanged (Tokuyoshi and Harada 2017,
 // sections 3 and 4).
 #include "lib/lobe.glsl"
 #include "lib/range.glsl"
@@ -13,11 +13,11 @@
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool LOBES = false;
 layout(constant_id = 2) const bool CLAMPED = false;
-layout(constant_id = 1) const uint BOUNDS = 0u; // of lobes: their spheroid, a sphere around it, or one around the VPL
+layout(constant_id = 1) const uint BOUNDS = 0u; // of lobes: the spheroid, a sphere around it, or a sphere around the VPL
 
 layout(scalar, push_constant) uniform Params {
     uint count;
-    float delta; // irradiance at a surface that faces the VPL, W/m^2, below which it is left to chance
+    float delta; // irradiance of a facing surface below which Russian roulette decides, W/m^2
     uint seed;
 } params;
 
@@ -25,14 +25,14 @@ layout(scalar) uniform ViewBlock { View it; } view;
 layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) readonly buffer Lobes { Lobe at[]; } lobes;
-layout(scalar) writeonly buffer Spheres { vec4 at[]; } spheres; // centre in the view's space, and radius; 0 where nothing is lit
+layout(scalar) writeonly buffer Spheres { vec4 at[]; } spheres; // centre in view space, and radius; 0 if nothing is lit
 layout(scalar) writeonly buffer Spheroids { Spheroid at[]; } spheroids;
 layout(scalar) writeonly buffer Chances { vec2 at[]; } chances; // xi of the diffuse VPL and of the lobe, in (0, 1)
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= params.count) return;
-    // Where nothing is left to chance, what is not certain is lost.
+    // Without roulette, light below delta is cut off: biased, but without noise.
     vec2 xi = CLAMPED ? vec2(0.999999) : (vec2(pcg4d(uvec4(index, 7u, 0u, params.seed)).xy >> 9u) + 0.5) / 8388608.0;
     chances.at[index] = xi;
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Takes pixels that are sorted by their sample sets back to where they belong.
+// Moves pixels that are sorted by sample set to their places in the picture.
 #include "lib/color.glsl"
 
 layout(local_size_x = 64) in;

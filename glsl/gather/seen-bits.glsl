@@ -1,4 +1,4 @@
-// Pixels see the VPLs whose bits are set in an image: a word for 32 VPLs of the pixel's set, layer after layer.
+// Visibility by bits: a word for 32 VPLs of the pixel's sample set, layer after layer.
 uniform usampler2DArray visible;
 
 uint word(ivec2 pixel, uint index) {

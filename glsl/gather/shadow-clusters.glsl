@@ -1,4 +1,5 @@
-// A VPL is seen where the map of its cluster has nothing nearer (Aranha et al., section III-C): what the cluster's place sees, its VPLs see.
+// Shadows by the maps of VPL clusters (Aranha et al., section III-C). A VPL is taken to see all that its cluster's representative sees,
+// which is biased.
 #include "bounce/vpl-cluster.glsl"
 #include "lib/basis.glsl"
 #include "lib/packing.glsl"
@@ -7,7 +8,7 @@
 layout(constant_id = 2) const bool BILINEAR = true;
 
 layout(scalar) uniform ClustersBlock {
-    float far;  // the distance that 1 stands for, metres
+    float far;  // distance of the value 1, metres
     float bias; // widths of a texel
     int size;   // side of a map, texels
 } maps_of;
@@ -18,8 +19,8 @@ layout(r32f) readonly uniform image2DArray maps;
 struct Shadow {
     vec3 across; // the map's axes
     vec3 up;
-    vec3 moved;  // from the VPL to the cluster's place
-    float near;  // half of 1 over how far that is
+    vec3 moved;  // from the VPL to the cluster's representative
+    float near;  // 0.5 / length(moved)
     int layer;
 };
 
@@ -40,16 +41,16 @@ Shadow hand_round(Shadow shadow, uint lane) {
 float lit(Shadow shadow, vec3 normal, vec3 way, float squared, float from, float to) {
     vec3 to_cluster = way + shadow.moved;
     float d = length(to_cluster);
-    // Receivers behind the cluster's plane, and before its VPL's, are compared with the map's rim, the less so the farther behind. Otherwise all
-    // VPLs of a bent surface, such as a column, would lose what their cluster's place cannot see.
+    // Receivers behind the cluster's plane, and in front of their VPL's, are compared with the map's rim, with less weight the farther
+    // behind they lie. Otherwise VPLs of a curved surface, such as a column, would lose all receivers hidden from the representative.
     float above = -dot(cross(shadow.across, shadow.up), to_cluster), height = max(above, 0.0);
-    // Receivers nearer to the VPL than the cluster's place is: the map knows little of them, and little comes between.
+    // Confidence of the map. It is low for receivers nearer to the VPL than the representative is, where little comes between.
     float known = clamp(1.0 + 2.0 * above / max(d, 1e-12), 0.0, 1.0) * min(shadow.near * sqrt(squared), 1.0);
     vec2 lateral = -vec2(dot(shadow.across, to_cluster), dot(shadow.up, to_cluster));
     vec2 p = lateral / max(above < 0.0 ? length(lateral) : d + height, 1e-12);
     float size = float(maps_of.size);
     vec2 at = (p * 0.5 + 0.5) * size;
-    // The surface runs deeper across a texel the more it slopes: by its width over the cosine, at most.
+    // The depth of a sloped surface varies across a texel by at most the texel's width over the cosine.
     float cosine = max(dot(normal, to_cluster) / max(d, 1e-12), 0.05);
     float hidden = d * cosine - maps_of.bias * 2.0 / size * (d + height), unit = cosine * maps_of.far;
     if (BILINEAR) {

@@ -1,4 +1,4 @@
-// A VPL is seen where its imperfect shadow map has nothing nearer (Linke 2016, section 3.3).
+// Shadows by each VPL's imperfect shadow map (Linke 2016, section 3.3).
 #include "gather/ism-lookup.glsl"
 #include "lib/basis.glsl"
 

@@ -1,4 +1,4 @@
-// A VPL is seen where the imperfect shadow map of a neighbour has nothing nearer.
+// Shadows by the imperfect shadow map of a neighbouring VPL.
 #include "gather/ism-lookup.glsl"
 #include "lib/basis.glsl"
 #include "lib/packing.glsl"

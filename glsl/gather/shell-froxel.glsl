@@ -1,5 +1,5 @@
-// Froxels of the sorted pictures: tiles of 16 x 16 of them, cut into 32 slices by distance (Oertegren and Persson 2016). From
-// a 64th of the scene's diagonal on slices grow by a constant factor.
+// Froxels of the pixels of a sample set: tiles of 16 x 16 pixels, cut into 32 slices by distance (Oertegren and Persson 2016). The first
+// slice ends at a 64th of the scene's diagonal; the others grow by a constant factor.
 const uint SHELL_TILE = 16u;
 const uint SHELL_SLICES = 32u;
 

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Linked lists of the VPLs whose bounds reach into each froxel: a workgroup a tile, an invocation a slice, which walks the set's VPLs in order, so
-// that lists keep it.
+// Linked light lists of froxels: VPLs whose hulls reach into a froxel. There is a workgroup a tile and an invocation a slice, which goes
+// through the sample set's VPLs in order, so that lists keep it.
 #include "gather/shell.glsl"
 #include "gather/shell-froxel.glsl"
 
@@ -17,8 +17,8 @@ layout(scalar, push_constant) uniform Params {
 
 layout(scalar) readonly buffer DiffuseShells { uvec2 at[]; } diffuse_shells;
 layout(scalar) readonly buffer GlossyShells { uvec2 at[]; } glossy_shells;
-layout(scalar) writeonly buffer Heads { uvec2 at[]; } heads; // of a froxel's two lists
-layout(scalar) writeonly buffer Nodes { uvec2 at[]; } nodes;           // VPL, and the next node
+layout(scalar) writeonly buffer Heads { uvec2 at[]; } heads; // first nodes of a froxel's diffuse and glossy list
+layout(scalar) writeonly buffer Nodes { uvec2 at[]; } nodes;           // VPL, and next node
 layout(scalar) buffer Used { uint count; } used;
 layout(scalar) buffer Lost { uint count; } lost;
 
@@ -26,13 +26,13 @@ const uint END = 0xffffffffu;
 
 bool reaches(uvec2 shell, uint slice) {
     if ((shell.x | shell.y) == 0u) return false;
-    // Without a near side the eye is inside.
+    // Without a near side, the eye is inside the hull.
     uint first = shell.x != 0u ? uint(findLSB(shell.x)) : 0u;
     uint last = uint(findMSB(shell.y != 0u ? shell.y : shell.x));
     return slice >= first && slice <= last;
 }
 
-// Hangs a VPL on behind `tail`; the first becomes the head.
+// Appends a VPL behind `tail`; the first node becomes the head.
 void append(uint index, inout uint head, inout uint tail) {
     uint node = atomicAdd(used.count, 1u);
     if (node >= params.capacity) {

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Tiles that a triangle touches, as the device finds them.
+// Tiles that a triangle touches, found by the device's conservative rasterization.
 #include "gather/shell.glsl"
 #include "gather/shell-mark.glsl"
 

@@ -1,16 +1,16 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Bounding geometry of a VPL for a device that rasterizes conservatively. Each corner knows all of its triangle.
+// Hull of a VPL's range, for conservative rasterization by the device. Each vertex computes its whole triangle.
 #include "gather/bounds.glsl"
 #include "gather/shell.glsl"
 #include "gather/shell-triangle.glsl"
 
-layout(scalar) readonly buffer Corners { vec3 at[]; } corners; // of triangles around the unit sphere
+layout(scalar) readonly buffer Corners { vec3 at[]; } corners; // corners of triangles around the unit sphere
 
 layout(location = 0) flat out vec3 out_plane; // as in ShellTriangle
 layout(location = 1) flat out vec2 out_range;
-layout(location = 2) flat out uvec2 out_vpl;  // and whether the triangle is on the far side
+layout(location = 2) flat out uvec2 out_vpl;  // VPL, and whether the triangle is on the far side
 
 out gl_PerVertex {
     vec4 gl_Position;
@@ -19,7 +19,7 @@ out gl_PerVertex {
 
 void main() {
     uint index = gl_InstanceIndex, vertex = gl_VertexIndex, corner = vertex % 3u, first = vertex - corner;
-    // Nearer than the near plane, so that nothing is left of it.
+    // In front of the near plane, so that an empty hull is clipped.
     gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
     gl_ClipDistance[0] = gl_ClipDistance[1] = gl_ClipDistance[2] = gl_ClipDistance[3] = -1.0;
     out_plane = vec3(0.0);
@@ -34,7 +34,7 @@ void main() {
     out_plane = triangle.plane;
     out_range = triangle.range;
     out_vpl.y = uint(triangle.behind);
-    // In tiles of the set's picture, whose sides cut it off; times the distance.
+    // In tiles of the set's picture, times the distance; the picture's sides clip the triangle.
     vec3 point = points[corner];
     vec2 place = sorted_place(point, set) / float(SHELL_TILE), rest = vec2(tiles) * point.z - place;
     gl_ClipDistance[0] = place.x;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Of the tiles that a triangle may touch, those that it does.
+// Discards tiles of a triangle's bounding rectangle that it does not touch.
 #include "gather/shell.glsl"
 #include "gather/shell-mark.glsl"
 
@@ -18,7 +18,7 @@ void main() {
     if (!in_set(tile, in_vpl.x)) return;
     vec3 place = vec3(vec2(tile) + 0.5, 1.0);
     for (int i = 0; i < 4; i++) {
-        // The tile's corner that is farthest inside.
+        // Tested at the tile's corner that is farthest inside the edge.
         if (dot(in_edges[i], place) + 0.501 * (abs(in_edges[i].x) + abs(in_edges[i].y)) < 0.0) return;
     }
     mark(tile, in_plane, in_range, in_vpl);

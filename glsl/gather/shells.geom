@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Conservative rasterization by hand (Hasselgren et al. 2005): a triangle of bounding geometry, cut off at the near plane, as a rectangle of all tiles
-// that it may touch; the fragment shader knows its edges.
+// Conservative rasterization in the shader (Hasselgren et al. 2005): a triangle of a hull, clipped at the near plane, is drawn as its
+// bounding rectangle of tiles; the fragment shader tests its edges.
 #include "gather/shell.glsl"
 #include "gather/shell-triangle.glsl"
 
@@ -13,16 +13,16 @@ layout(location = 0) in vec3 in_point[];
 layout(location = 1) in vec3 in_centre[];
 layout(location = 2) flat in uint in_vpl[];
 
-layout(location = 0) flat out vec3 out_edges[4]; // a point (x, y) in tiles is inside where (x, y, 1) has no negative product
+layout(location = 0) flat out vec3 out_edges[4]; // (x, y) in tiles is inside if no dot product with (x, y, 1) is negative
 layout(location = 4) flat out vec3 out_plane;    // as in ShellTriangle
 layout(location = 5) flat out vec2 out_range;
-layout(location = 6) flat out uvec2 out_vpl;     // and whether it is on the far side
+layout(location = 6) flat out uvec2 out_vpl;     // VPL, and whether it is on the far side
 
 out gl_PerVertex { vec4 gl_Position; };
 
 void main() {
     if (in_vpl[0] == 0xffffffffu) return;
-    // At most four corners lie beyond the near plane.
+    // At most four corners remain beyond the near plane.
     vec3 corners[4];
     int count = 0;
     float near = view.it.near;
@@ -48,7 +48,7 @@ void main() {
         vec2 a = places[i], b = places[(i + 1) % 4], along = b - a;
         vec3 edge = vec3(-along.y, along.x, dot(a, vec2(along.y, -along.x)));
         if (dot(edge, vec3(middle, 1.0)) < 0.0) edge = -edge;
-        // Relative to the whole picture, as fragments are.
+        // Relative to all pictures, as fragments are.
         edge.z -= dot(edge.xy, origin);
         edges[i] = edge;
     }

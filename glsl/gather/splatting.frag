@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The light that a VPL adds to a pixel within its bounds.
+// Light of a VPL at a pixel that its hull covers.
 #include "gather/shadow-none.glsl"
 #include "gather/stochastic.glsl"
 

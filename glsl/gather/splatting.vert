@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Bounding geometry, an instance a VPL (Dachsbacher and Stamminger 2006), in the picture of its sample set.
+// Hull of a VPL's range, an instance a VPL (Dachsbacher and Stamminger 2006), in the picture of its sample set.
 #include "gather/bounds.glsl"
 #include "gather/shell.glsl"
 
@@ -20,7 +20,7 @@ void main() {
     out_vpl = index;
     gl_ClipDistance = float[4](0.0, 0.0, 0.0, 0.0);
     if (!on_bounds(index, position, point, centre)) {
-        // Without area.
+        // Degenerate: an empty range.
         gl_Position = vec4(2.0, 2.0, 0.0, 1.0);
         return;
     }

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// How many VPLs pixels have on their lists, as brightness up to 256, and what part of them does not shine there, as colour from blue over green to
-// red (Tokuyoshi and Harada 2017, figures 9 and 10). Of diffuse and glossy ones together.
+// Picture of light lists: brightness is the number of VPLs on a pixel's lists, up to 256; colour is the share that does not shine there,
+// from blue over green to red (Tokuyoshi and Harada 2017, figures 9 and 10). Diffuse and glossy VPLs are counted together.
 #include "lib/color.glsl"
 
 layout(local_size_x = 64) in;

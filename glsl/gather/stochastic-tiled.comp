@@ -3,9 +3,9 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
-// Stochastic light culling (Tokuyoshi and Harada 2017): a VPL's light at a pixel counts with the probability p that it is worth, and then
-// 1 / p times, by one random number a VPL, so that what bounds its range culls it for whole tiles. A tile is 16 x 16 pixels of one sample
-// set, halved at the middle of its depth (Stewart 2015). The lists are bits in shared memory, in the VPLs' order.
+// Stochastic light culling (Tokuyoshi and Harada 2017). A VPL's light at a pixel is kept with probability p and weighted by 1 / p (Russian
+// roulette). All pixels share the VPL's random number, so its range has a bound that culls it for whole tiles. A tile is 16 x 16 pixels of
+// one sample set, split at the middle of its depth (Stewart 2015). Light lists are bits in shared memory, in the VPLs' order.
 #include "part/shadow=gather/shadow-none"
 #include "gather/stochastic.glsl"
 #include "lib/range.glsl"
@@ -20,13 +20,13 @@ layout(constant_id = 8) const bool GLOSSY_DIELECTRIC = false;
 
 layout(scalar) readonly buffer Spheres { vec4 at[]; } spheres;
 layout(scalar) readonly buffer Spheroids { Spheroid at[]; } spheroids;
-layout(rgba32f) writeonly uniform image2D numbers; // VPLs on the pixel's list and VPLs that count; of diffuse ones, then of lobes
+layout(rgba32f) writeonly uniform image2D numbers; // VPLs on the pixel's list, and those that shine; diffuse, then lobes
 layout(rgba16f) writeonly uniform image2D irradiance;
 uniform sampler2D albedo;
 uniform sampler2D metallic_roughness;
-layout(rgba16f) writeonly uniform image2D reflection; // radiance that the pixels' own gloss reflects to the eye
+layout(rgba16f) writeonly uniform image2D reflection; // radiance that glossy receivers reflect to the eye
 
-// By how much squared distances may be over: lobes of alpha 0.001 round to ends of ranges 1.6 % outside of their spheroids.
+// Tolerance of squared distances: the ends of ranges of alpha 0.001 lobes round to 1.6 % outside of their spheroids.
 const float ALLOWANCE = 1.05;
 const uint TILE = 16u;
 const uint WORDS = 32u; // of a list: 1024 VPLs at a time
@@ -34,7 +34,7 @@ const uint INVOCATIONS = 64u;
 
 #include "part/seen=gather/seen-all"
 
-// The surface is looked up anew for each light, since most are never reflected so.
+// Reflection of glossy receivers. The surface is fetched for each light, since most lights do not need it.
 float reflect_from(inout Pixel p, vec3 light, vec3 to_light) {
     float left = 1.0;
     if (GLOSSY_RECEIVER) {
@@ -59,22 +59,22 @@ float reflect_from(inout Pixel p, vec3 light, vec3 to_light) {
 
 const uint FARTHEST = 0x7f800000u; // bits of infinity
 
-shared uint tile_low; // bits of distances, which are in their order
+shared uint tile_low; // bits of distances, which sort as these
 shared uint tile_high;
 shared uint near_low;
-shared uint near_high; // of the nearer half
+shared uint near_high; // bounds of the nearer half
 shared uint far_low;
 shared uint far_high;
 shared uint lists[4][WORDS]; // diffuse near and far, lobes near and far
-shared uint filled[4];       // which of their words have bits
+shared uint filled[4];       // non-zero words of each list
 
-// What the tile's pixels of one half span, in the view's space: [low, high] in tangents to the sides, and in distance.
+// Bounds of the pixels of one half of the tile, in view space: [low, high] in tangents and in distance.
 struct Part {
     vec3 low;
     vec3 high;
 };
 
-// Square of the distance from a point to the box around a part that a matrix of rows row0, row1, (0, 0, depth) has taken elsewhere.
+// Squared distance from a point to the bounding box of a part, after a linear map with the rows row0, row1, (0, 0, depth).
 float squared_distance(Part part, vec3 row0, vec3 row1, float depth, vec3 point) {
     vec3 low, high;
     vec2 a = row0.xy * part.low.xy, b = row0.xy * part.high.xy;
@@ -89,7 +89,7 @@ float squared_distance(Part part, vec3 row0, vec3 row1, float depth, vec3 point)
     high.y = max(most * part.low.z, most * part.high.z);
     low.z = depth * part.low.z;
     high.z = depth * part.high.z;
-    // Rounding moves both by far less than this: here, and in the world, far from whose origin places are coarse.
+    // Slack far above the rounding of this function, and of world positions, which are coarse far from the origin.
     vec3 slack = 2e-6 * max(max(abs(low), abs(high)), abs(point)) +
                  4e-7 * (largest(abs(view.it.position)) + view.it.diagonal) * vec3(dot(abs(row0), vec3(1.0)), dot(abs(row1), vec3(1.0)), depth);
     vec3 off = max(max(low - slack - point, point - high - slack), 0.0);
@@ -128,7 +128,7 @@ void shade(inout Quad q, Glossy it, vec4 visible) {
     shade(q.d, it, visible.w);
 }
 
-// Distances as bits, which are in their order; those that do not count widen nothing.
+// Least distance as bits, which sort as distances; those that do not count are ignored.
 uint least(vec4 distances, bvec4 counts) {
     vec4 far_off = mix(vec4(uintBitsToFloat(FARTHEST)), distances, counts);
     return floatBitsToUint(min(min(far_off.x, far_off.y), min(far_off.z, far_off.w)));
@@ -139,17 +139,17 @@ uint most(vec4 distances, bvec4 counts) {
     return floatBitsToUint(max(max(at_eye.x, at_eye.y), max(at_eye.z, at_eye.w)));
 }
 
-// Counts the VPLs of a word of the pixel's lists.
+// Counts the VPLs of a word on the pixel's lists.
 void count_listed(inout Pixel p, uint word) {
     uint list = uint(p.far);
     p.numbers.xz += uvec2(bitCount(lists[list][word]), bitCount(lists[list + 2u][word]));
 }
 
-// Where one is on the way through a list: of the tile's halves together that the subgroup has pixels in.
+// Cursor over a list: the union of the lists of the tile's halves that the subgroup has pixels in.
 struct Cursor {
-    uint words; // those with VPLs that are still to come
+    uint words; // words with remaining VPLs
     uint word;
-    uint bits;  // VPLs that are left of it
+    uint bits;  // remaining VPLs of the current word
 };
 
 Cursor beginning(uint list, bvec2 halves) {
@@ -158,8 +158,8 @@ Cursor beginning(uint list, bvec2 halves) {
 
 bool has_more(Cursor it) { return (it.words | it.bits) != 0u; }
 
-// The next VPL's number in the list. No loop passes empty words: llvmpipe runs a loop's body once even where its condition fails at once, and
-// ends all loops of an invocation together after 65,535 turns.
+// Next VPL's number in the list. No loop skips empty words: llvmpipe runs a loop's body once even if its condition fails at first, and ends
+// all loops of an invocation together after 65,535 turns.
 uint next(inout Cursor it, uint list, bvec2 halves) {
     if (it.bits == 0u) {
         it.word = uint(findLSB(it.words));
@@ -179,7 +179,7 @@ void put(uint list, uint place) {
 void main() {
     const uint N = INTERLEAVE, SETS = INTERLEAVE * INTERLEAVE;
     uint me = gl_LocalInvocationIndex;
-    // Neighbouring workgroups take the sample sets of the same block of pixels.
+    // Neighbouring workgroups process the sample sets of the same block of pixels.
     uvec2 set = gl_WorkGroupID.xy % N;
     ivec2 corner = ivec2(gl_WorkGroupID.xy / N * TILE * N + set);
     ivec2 pixel = corner + ivec2(gl_LocalInvocationID.xy * 2u * N);

@@ -1,7 +1,7 @@
-// A VPL's light at a pixel, by chance (Tokuyoshi and Harada 2017, section 3): shared by tiles, splats and froxels of stochastic light culling.
-// Whoever includes it has a part for "shadow", and defines what a receiver's own gloss makes of irradiance that comes from a direction:
+// Light of a VPL at a pixel by Russian roulette (Tokuyoshi and Harada 2017, section 3): shared by tiles, splats and froxels of stochastic
+// light culling. An includer has a part for "shadow", and defines
 //     float reflect_from(inout Pixel p, vec3 light, vec3 to_light);
-// which adds the reflected radiance, and returns the share of the irradiance that is left.
+// which adds the receiver's glossy reflection of irradiance from a direction, and returns the share that remains for diffuse reflection.
 #include "gbuffer/receiver.glsl"
 #include "lib/lobe.glsl"
 #include "lib/color.glsl"
@@ -9,7 +9,7 @@
 #include "lib/vpl.glsl"
 
 layout(constant_id = 0) const uint INTERLEAVE = 1;
-layout(constant_id = 9) const bool COATED = false; // VPLs lie on glossy dielectrics: what the gloss reflects is not the diffuse VPL's
+layout(constant_id = 9) const bool COATED = false; // a glossy coat takes its Fresnel share out of diffuse VPLs
 
 layout(scalar, push_constant) uniform Params {
     uint count;
@@ -25,7 +25,7 @@ layout(scalar) readonly buffer Chances { vec2 at[]; } chances;
 struct Pixel {
     Receiver at;
     vec3 sum;       // irradiance of the VPLs so far, W/m^2
-    vec3 reflected; // radiance to the eye, beside what the diffuse part makes of the sum
+    vec3 reflected; // glossily reflected radiance to the eye
     bool far;       // in the farther half
     uvec4 numbers;  // for the statistics
 };
@@ -34,7 +34,7 @@ Pixel pixel_at(ivec2 place) { return Pixel(receiver(place), vec3(0.0), vec3(0.0)
 
 float reflect_from(inout Pixel p, vec3 light, vec3 to_light);
 
-// Equations 2 and 3: what a VPL adds, from its irradiance on a surface that faces it.
+// Equations 2 and 3: a VPL's contribution after roulette, from its irradiance on a facing surface.
 vec3 by_chance(vec3 facing_irradiance, float xi, inout uint number) {
     float most = largest(facing_irradiance);
     if (!(most > params.delta * xi)) return vec3(0.0);
@@ -67,12 +67,12 @@ void shade_lobe(inout Pixel p, vec3 position, vec3 facing, Lobe lobe, vec3 n, ve
     add(p, arrives, way, squared, inverse, from, to, shadow, visible);
 }
 
-// VPL number `index` as a diffuse one, ready to shine.
+// A diffuse VPL, unpacked.
 struct Diffuse {
     vec3 position;
     vec3 facing;
     vec3 intensity;
-    vec3 incoming; // where its light comes from, if it is coated
+    vec3 incoming; // direction of incident light, if it is coated
     float xi;
     Shadow shadow;
 };
@@ -89,7 +89,7 @@ void shade(inout Pixel p, Diffuse it, float visible) {
     shade_diffuse(p, it.position, it.facing, it.intensity, it.incoming, it.xi, it.shadow, visible);
 }
 
-// VPL number `index` as a glossy one, ready to shine.
+// A glossy VPL, unpacked.
 struct Glossy {
     vec3 position;
     vec3 facing;

@@ -3,12 +3,12 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
-// The gather with tiled culling (Linke 2016, section 4.6.2): VPLs that see no part of what the workgroup's pixels span are left out.
-// The light list is the subgroup's vote on the VPLs that it has just fetched, so it keeps their order, and so every sum.
+// Gather with tiled culling (Linke 2016, section 4.6.2): it skips VPLs whose hemisphere misses the bounds of the workgroup's pixels. The
+// light list is a ballot of the subgroup over the VPLs just fetched, so it keeps their order, and every sum its bits.
 #include "gather/froxel.glsl"
 #include "gather/per-pixel.glsl"
 
-shared uint nearest; // bits of distances, which are in their order
+shared uint nearest; // bits of distances, which sort as these
 shared uint farthest;
 
 void main() {
@@ -37,7 +37,7 @@ void main() {
         Vpl mine = vpl(first + min(start + gl_SubgroupInvocationID, count - 1u) * SETS, there);
         uint list = subgroupBallot(there && any(greaterThan(mine.intensity, vec3(0.0))) && is_lit(tile, mine.position, mine.facing)).x;
         uvec4 all_seen = seen(pixel, start);
-        // Two at a time: llvmpipe ends all loops of an invocation together after 65,535 turns.
+        // Unrolled by two: llvmpipe ends all loops of an invocation together after 65,535 turns.
         while (list != 0u) {
             uint lane = uint(findLSB(list));
             list &= list - 1u;

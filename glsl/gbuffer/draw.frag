@@ -56,6 +56,6 @@ void main() {
     albedo = vec4(base.rgb, 1.0);
     metallic_roughness = mr;
     emission = vec4(emitted, 1.0);
-    // Last, since derivatives mean nothing after it.
+    // Discarded last, since derivatives are undefined after it.
     if (MASKED && base.a < material.alpha_cutoff) discard;
 }

@@ -27,7 +27,7 @@ out gl_PerVertex { vec4 gl_Position; };
 void main() {
     mat4x3 transform = draws.at[gl_BaseInstance].transform;
     mat3 linear = mat3(transform);
-    // The cofactor matrix carries normals through any scale; its sign is the transform's own.
+    // The cofactor matrix transforms normals under any scale; the sign is the transform's own.
     mat3 cofactor = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
     float orientation = dot(linear[0], cofactor[0]) < 0.0 ? -1.0 : 1.0;
     gl_Position = view.it.view_projection * vec4(transform * vec4(position, 1.0), 1.0);
@@ -38,7 +38,7 @@ void main() {
     out_tangent = vec4(0.0);
     if (NORMAL_MAP) {
         vec4 t = tangent_inverse(tangent);
-        // Whoever mirrors a draw turns its handedness with its triangles.
+        // Mirrored draws have handedness and triangles flipped on the host.
         out_tangent = vec4(linear * t.xyz, t.w);
     }
 }

@@ -1,4 +1,4 @@
-// The G-buffer's surface at a pixel, as a receiver of light.
+// The surface at a pixel, as a receiver of light.
 #include "lib/packing.glsl"
 #include "lib/view.glsl"
 
@@ -15,7 +15,7 @@ struct Receiver {
 
 bool in_picture(ivec2 pixel) { return all(lessThan(uvec2(pixel), uvec2(view.it.width, view.it.height))); }
 
-// The receiver at a pixel; beyond the picture there is no surface.
+// Receiver at a pixel; there is none beyond the picture.
 Receiver receiver(ivec2 pixel) {
     Receiver r = Receiver(pixel, vec3(0.0), vec3(0.0), 0.0);
     if (in_picture(pixel)) {

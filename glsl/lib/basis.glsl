@@ -1,6 +1,6 @@
 #ifndef BASIS_GLSL
 #define BASIS_GLSL
-// An orthonormal basis whose last axis is n (Duff et al. 2017).
+// Orthonormal basis with n as its last axis (Duff et al. 2017).
 mat3 basis_of(vec3 n) {
     float s = n.z >= 0.0 ? 1.0 : -1.0;
     float a = -1.0 / (s + n.z), b = n.x * n.y * a;

@@ -1,6 +1,6 @@
 #ifndef BRDF_GLSL
 #define BRDF_GLSL
-// Reflection of surfaces: Lambert, and GGX with the height-correlated Smith term (Heitz 2014). See the README's radiometry.
+// BRDFs: Lambert, and GGX with the height-correlated Smith term (Heitz 2014). Units: src/stages/README.md.
 #include "lib/pi.glsl"
 
 vec3 schlick(vec3 f0, float cosine) {
@@ -8,10 +8,10 @@ vec3 schlick(vec3 f0, float cosine) {
     return f0 + (1.0 - f0) * (m * m * m * m * m);
 }
 
-// Of the coat of a glossy dielectric.
+// Fresnel reflectance of a glossy dielectric's coat.
 float coat_fresnel(float cosine) { return schlick(vec3(0.04), cosine).x; }
 
-// D V of GGX, 1/sr: without Fresnel; cosines of half vector, light and view to the normal.
+// D V of GGX, 1/sr, without Fresnel; cosines of half vector, light and view to the normal.
 float ggx(float alpha, float nh, float nl, float nv) {
     float a2 = alpha * alpha;
     float d = nh * nh * (a2 - 1.0) + 1.0;
@@ -19,7 +19,7 @@ float ggx(float alpha, float nh, float nl, float nv) {
     return a2 / (PI * d * d) * 0.5 / max(v, 1e-7);
 }
 
-// The BRDF, 1/sr, of a surface of mixed metal and dielectric. A dielectric is pure Lambert unless `glossy_dielectric`.
+// BRDF of a mix of metal and dielectric, 1/sr. A dielectric is pure Lambert unless `glossy_dielectric`.
 vec3 brdf(vec3 albedo, float metallic, float roughness, bool glossy_dielectric, vec3 n, vec3 l, vec3 v) {
     vec3 h = normalize(l + v);
     float nl = max(dot(n, l), 0.0), nv = max(dot(n, v), 1e-4), nh = max(dot(n, h), 0.0), vh = max(dot(v, h), 0.0);

@@ -1,8 +1,8 @@
 #ifndef COLOR_GLSL
 #define COLOR_GLSL
-// Curves between radiance and the screen.
+// Transfer curves between radiance and screen.
 
-// Of 16 bits: what is brighter is stored as this, not as infinity.
+// Largest 16-bit float; brighter values are stored as this, not as infinity.
 const float LARGEST_HALF = 65504.0;
 
 // Linear to sRGB-encoded, both in [0, 1].
@@ -16,6 +16,6 @@ vec3 srgb_to_linear(vec3 c) {
 
 float luminance(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
 
-// Reinhard's operator on luminance, so that hues stay.
+// Reinhard's operator on luminance, which keeps hues.
 vec3 reinhard(vec3 c) { return c / (1.0 + luminance(c)); }
 #endif

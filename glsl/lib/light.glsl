@@ -1,13 +1,14 @@
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
-// A layer of the reflective shadow map: a light, or one face of a point light, with its projection. See src/scene/projection.rs.
+// A layer of the reflective shadow map: a light, or one face of a point light, with its projection. The host's type is `Projector` of
+// src/world/projection.rs.
 struct Light {
     mat4 world_to_clip;
     vec3 origin;    // the light's position, or the centre of a directional light's near plane
     uint kind;
-    vec3 direction; // in which light travels, along the map's axis
+    vec3 direction; // direction of light, along the map's axis
     float near;     // of the reversed, infinite projection; for a directional light the length of its depth range
-    vec3 right;     // half the map's width: metres, or the tangent of the half-angle
+    vec3 right;     // half the map's width, metres, or the half-angle's tangent
     float inner;    // half-angles of a spot light, radians
     vec3 up;        // half the map's height
     float outer;
@@ -15,17 +16,17 @@ struct Light {
     float texel_area; // m^2, or on the plane at distance 1
 };
 
-// As many as 16 KiB of uniforms hold, with room to spare; Projector::MAX.
+// Layers that fit into 16 KiB of uniforms, with room to spare; Projector::MAX.
 const uint MAX_LIGHTS = 64u;
 
 const uint DIRECTIONAL = 0u;
 const uint SPOT_BY_ANGLE = 1u;
 const uint SPOT_BY_COSINE = 2u;
 const uint POINT_FACE = 3u;
-// Not a light's kind: a shader's constant, where its lights are of more than one.
+// No light's kind, but the value of a shader's constant if its lights are of several kinds.
 const uint MIXED = 4u;
 
-// How a spot light falls off at the angle whose cosine to the axis is given.
+// Falloff of a spot light, by the cosine to its axis.
 float spot_falloff(Light light, float cosine) {
     if (light.kind == SPOT_BY_ANGLE) {
         float angle = acos(clamp(cosine, -1.0, 1.0));
@@ -39,18 +40,18 @@ float spot_falloff(Light light, float cosine) {
     return 1.0;
 }
 
-// World position of a point of the map, ndc in [-1, 1] with y down, at a depth that is not 0.
+// World position of a point of the map, given by ndc in [-1, 1] with y down, and a depth that is not 0.
 vec3 light_position(Light light, vec2 ndc, float depth) {
     vec3 offset = ndc.x * light.right - ndc.y * light.up;
     if (light.kind == DIRECTIONAL) return light.origin + offset + light.direction * (light.near * (1.0 - depth));
     return light.origin + (light.direction + offset) * (light.near / depth);
 }
 
-// Unit normal of the surface at a point of the map, turned to the light, from how the depth changes with ndc. Depth is linear over
-// a plane's picture in both projections, so that this is exact.
+// Unit normal of the surface at a point of the map, flipped to face the light, from the gradient of depth over ndc. It is exact, since
+// depth is linear over a plane's image in both projections.
 vec3 light_normal(Light light, vec2 ndc, float depth, vec2 gradient) {
     vec3 along = vec3(gradient * vec2(1.0, -1.0), depth - dot(ndc, gradient));
-    // On the axes of the map: right, up, and the light's direction.
+    // In coordinates along the map's axes: right, up, and the light's direction.
     vec3 n = light.kind == DIRECTIONAL ? vec3(along.xy * light.near, 1.0) : along;
     n = n.x / dot(light.right, light.right) * light.right + n.y / dot(light.up, light.up) * light.up + n.z * light.direction;
     vec3 ray = light.direction;
@@ -69,14 +70,14 @@ float texel_solid_angle(float texel_area, vec2 t) {
     return texel_area / (s * sqrt(s));
 }
 
-// Flux that arrives in a texel of the map, W.
+// Flux arriving at a texel of the map, W.
 vec3 texel_flux(Light light, vec2 ndc) {
     if (light.kind == DIRECTIONAL) return light.power * light.texel_area;
     vec2 t = ndc * vec2(length(light.right), length(light.up));
     return light.power * spot_falloff(light, inversesqrt(1.0 + dot(t, t))) * texel_solid_angle(light.texel_area, t);
 }
 
-// Area of a texel's beam where it meets a surface, across the beam, m^2.
+// Cross section of a texel's beam at a surface, m^2.
 float texel_beam(Light light, vec2 ndc, vec3 position) {
     if (light.kind == DIRECTIONAL) return light.texel_area;
     vec2 t = ndc * vec2(length(light.right), length(light.up));
@@ -84,7 +85,7 @@ float texel_beam(Light light, vec2 ndc, vec3 position) {
     return texel_solid_angle(light.texel_area, t) * dot(way, way);
 }
 
-// Irradiance on a surface that faces the light, from it alone and unshadowed.
+// Unshadowed irradiance of one light on a surface that faces it, W/m^2.
 vec3 light_irradiance(Light light, vec3 position, out vec3 to_light) {
     if (light.kind == DIRECTIONAL) {
         to_light = -light.direction;

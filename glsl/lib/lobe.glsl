@@ -4,12 +4,12 @@
 #include "lib/brdf.glsl"
 
 struct Lobe {
-    vec3 flux;     // that arrives, W; 0 where nothing is reflected so
-    uint normal;   // the surface's interpolated one, octahedral_snorm16
-    vec3 f0;       // Fresnel reflectance along the normal, times how much of the surface reflects so
-    uint incoming; // where the light comes from, octahedral_snorm16
-    float alpha;   // of GGX: roughness squared
-    float f90;     // Fresnel reflectance at a grazing angle, likewise
+    vec3 flux;     // incident flux, W; 0 of a VPL without a glossy lobe
+    uint normal;   // interpolated surface normal, octahedral_snorm16
+    vec3 f0;       // Fresnel reflectance at normal incidence, times the glossy share of the surface
+    uint incoming; // direction to the light, octahedral_snorm16
+    float alpha;   // GGX alpha: roughness squared
+    float f90;     // Fresnel reflectance at grazing incidence, times the glossy share
 };
 
 vec3 lobe_fresnel(vec3 f0, float f90, float cosine) {
@@ -17,12 +17,13 @@ vec3 lobe_fresnel(vec3 f0, float f90, float cosine) {
     return f0 + (f90 - f0) * (m * m * m * m * m);
 }
 
-// Radiant intensity, W/sr, towards wo: equation 4, whose cosine the BRDF's denominator takes.
+// Radiant intensity towards wo, W/sr: equation 4, whose cosine cancels with the BRDF's denominator.
 vec3 lobe_intensity(vec3 flux, vec3 f0, float f90, float alpha, vec3 n, vec3 wi, vec3 wo) {
     float no = dot(n, wo);
     if (no <= 0.0) return vec3(0.0);
     vec3 h = normalize(wi + wo), off = cross(n, h);
-    // The distribution by the sine: by the cosine alone it rounds to more than its peak where alpha is small, and bounds would not hold.
+    // The distribution is written with the sine. With the cosine alone, it rounds to more than its peak for small alpha, and bounds would
+    // not hold.
     float a2 = alpha * alpha, nh = dot(n, h), ni = dot(n, wi), d = a2 * nh * nh + dot(off, off);
     float v = 0.5 * no / max(ni * sqrt(no * no * (1.0 - a2) + a2) + no * sqrt(ni * ni * (1.0 - a2) + a2), 1e-7);
     return flux * lobe_fresnel(f0, f90, dot(wi, h)) * (a2 / (PI * d * d) * v);

@@ -21,7 +21,7 @@ vec3 octahedral_inverse(vec2 p) {
 uint octahedral_snorm16(vec3 v) { return packSnorm2x16(octahedral(v)); }
 vec3 octahedral_snorm16_inverse(uint word) { return octahedral_inverse(unpackSnorm2x16(word)); }
 
-// A tangent, xyz, and its handedness, w: see pack::tangent.
+// Tangent (xyz) and handedness (w) of pack::tangent.
 vec4 tangent_inverse(uint word) {
     vec2 p = vec2(word & 0x7fffu, (word >> 15) & 0x7fffu) / 32767.0 * 2.0 - 1.0;
     return vec4(octahedral_inverse(p), (word >> 31) != 0u ? -1.0 : 1.0);

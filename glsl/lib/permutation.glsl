@@ -1,4 +1,4 @@
-// A fixed permutation of [0, count): a four-round Feistel network on the next even power of two, walked until it falls inside.
+// Fixed permutation of [0, count): a four-round Feistel network on the next even power of two, iterated until the value is below count.
 uint permutation(uint index, uint count) {
     uint half_bits = 1u;
     while ((1u << (2u * half_bits)) < count) half_bits += 1u;
@@ -20,7 +20,7 @@ uint permutation(uint index, uint count) {
     return value;
 }
 
-// Where the permutation takes `value` from.
+// Inverse: the index that the permutation maps to `value`.
 uint permutation_inverse(uint value, uint count) {
     uint half_bits = 1u;
     while ((1u << (2u * half_bits)) < count) half_bits += 1u;

@@ -1,4 +1,4 @@
-// Random numbers by counting: what a sample draws depends on its place alone (PCG4D, Jarzynski and Olano 2020).
+// Counter-based random numbers: a sample's numbers depend on its indices alone (PCG4D, Jarzynski and Olano 2020).
 uvec4 pcg4d(uvec4 v) {
     v = v * 1664525u + 1013904223u;
     v.x += v.y * v.w;
@@ -13,7 +13,7 @@ uvec4 pcg4d(uvec4 v) {
     return v;
 }
 
-// Four numbers in [0, 1) of a pixel, a sample of it, a dimension and a seed.
+// Four numbers in [0, 1), from a pixel, its sample, a dimension and a seed.
 vec4 random(uint pixel, uint sample_index, uint dimension, uint seed) {
     return vec4(pcg4d(uvec4(pixel, sample_index, dimension, seed)) >> 8u) / 16777216.0;
 }

@@ -1,13 +1,13 @@
-// Directions drawn from a surface's reflection, and how likely they are. Needs lib/brdf.glsl.
+// Importance sampling of BRDFs, and densities. Needs lib/brdf.glsl.
 #include "lib/basis.glsl"
 
-// Around z, as likely as its cosine.
+// Cosine-weighted direction around z.
 vec3 sample_cosine(vec2 u) {
     float r = sqrt(u.x), phi = 2.0 * PI * u.y;
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A microfacet normal of GGX out of those that v sees, both around z (Dupuy and Benyoub 2023).
+// Visible GGX microfacet normal for the view direction v, both around z (Dupuy and Benyoub 2023).
 vec3 sample_visible_normal(vec2 u, vec3 v, float alpha) {
     vec3 stretched = normalize(vec3(v.xy * alpha, v.z));
     float phi = 2.0 * PI * u.x;
@@ -17,7 +17,7 @@ vec3 sample_visible_normal(vec2 u, vec3 v, float alpha) {
     return normalize(vec3(h.xy * alpha, max(h.z, 1e-6)));
 }
 
-// Density, 1/sr, of the direction that v reflects to at a normal so drawn; cosines of half vector and view to the normal.
+// Density, 1/sr, of v's reflection at such a normal; cosines of half vector and view to the normal.
 float visible_normal_density(float nh, float nv, float alpha) {
     float a2 = alpha * alpha;
     float d = nh * nh * (a2 - 1.0) + 1.0;
@@ -25,7 +25,7 @@ float visible_normal_density(float nh, float nv, float alpha) {
     return a2 / (PI * d * d) * 0.5 / (nv + sqrt(nv * nv * (1.0 - a2) + a2));
 }
 
-// How much of the reflection is drawn from the glossy lobe.
+// Probability of sampling the glossy lobe.
 float glossy_share(float metallic, bool glossy_dielectric) { return glossy_dielectric ? mix(0.5, 1.0, metallic) : metallic; }
 
 // Density, 1/sr, of sample_brdf.
@@ -41,8 +41,7 @@ float brdf_density(float metallic, float roughness, bool glossy_dielectric, vec3
     return density;
 }
 
-// A direction that light may come from, drawn from the BRDF's lobes; u.z chooses the lobe. It may lie below the surface, where the
-// density is 0.
+// Direction sampled from the BRDF's lobes; u.z chooses the lobe. It may lie below the surface, where the density is 0.
 vec3 sample_brdf(vec3 u, float metallic, float roughness, bool glossy_dielectric, vec3 n, vec3 v) {
     mat3 frame = basis_of(n);
     vec3 l = frame * sample_cosine(u.xy);

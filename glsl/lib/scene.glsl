@@ -1,20 +1,20 @@
 #ifndef SCENE_GLSL
 #define SCENE_GLSL
-// Draws and materials, as src/scene/device.rs fills them.
+// Draws and materials in the layout of src/world/device.rs.
 struct DrawData {
     mat4x3 transform; // columns: axes and translation
     uint material;
     uint double_sided; // of the material
 };
 
-// A part of a draw, with the box around it in the world.
+// A part of a draw, with its world-space bounding box.
 struct PartData {
     vec3 box_min;
     uint draw;
     vec3 box_max;
 };
 
-// Where a material looks a map up.
+// Texture transform and array layer of a material's map.
 struct MapUse {
     mat2 matrix;
     vec2 offset;
@@ -33,7 +33,7 @@ struct Material {
     MapUse metallic_roughness_map;
     MapUse emission_map;
     MapUse normal_map;
-    uint padding[24]; // to 256 bytes, so that each can be bound as a uniform block
+    uint padding[24]; // to 256 bytes, so that every device can bind one as a uniform block
 };
 
 vec3 map_coordinates(MapUse use, vec2 uv) { return vec3(use.matrix * uv + use.offset, use.layer); }

@@ -1,6 +1,6 @@
 #ifndef VIEW_GLSL
 #define VIEW_GLSL
-// The camera, as src/scene/projection.rs fills it.
+// The camera in the layout of src/world/projection.rs.
 struct View {
     mat4 view_projection;
     vec3 position;
@@ -13,7 +13,7 @@ struct View {
     float diagonal; // of the scene's bounds, metres
 };
 
-// World position of a pixel's centre at a depth of the reversed, infinite projection; the depth must not be 0.
+// World position of a pixel's centre, given a depth of the reversed, infinite projection that is not 0.
 vec3 view_position(View view, ivec2 pixel, float depth) {
     vec2 ndc = (vec2(pixel) + 0.5) / vec2(view.width, view.height) * 2.0 - 1.0;
     vec3 ray = view.forward + ndc.x * view.right - ndc.y * view.up;

@@ -1,6 +1,6 @@
 #ifndef VPL_GLSL
 #define VPL_GLSL
-// Where a virtual point light is. Its radiant intensity along the normal lies in a buffer of its own.
+// Position and normal of a virtual point light. Its radiant intensity along the normal is in a separate buffer.
 struct VplPlace {
     vec3 position;
     uint normal; // octahedral_snorm16

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// What the middle of each pixel shows, as the rasterizer's G-buffer has it: normal, distance along the view's axis, position.
+// Features at the centre of each pixel, as in the rasterizer's G-buffer: normal, distance along the view's axis, position.
 #include "bvh/surface.glsl"
 #include "lib/view.glsl"
 
@@ -15,7 +15,7 @@ void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(uvec2(pixel), uvec2(view.it.width, view.it.height)))) return;
     vec2 ndc = (vec2(pixel) + 0.5) / vec2(view.it.width, view.it.height) * 2.0 - 1.0;
-    // Its length along the axis is 1, so that t is the distance along it.
+    // The direction has length 1 along the view's axis, so t is the distance along it.
     Ray ray = make_ray(view.it.position, view.it.forward + ndc.x * view.it.right - ndc.y * view.it.up);
     Hit hit = nearest(ray, view.it.near, true);
     vec4 normal = vec4(0.0), position = vec4(0.0);

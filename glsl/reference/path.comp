@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// One more path through each pixel, and what it brings to each layer. A path meets a surface, looks at one light from there, and
-// goes on in one direction; light that it gathers at its k-th surface is direct light for k = 1 and bounce k - 1 after that.
+// One more path through each pixel, added to each layer. At each surface a path samples one light (next event estimation) and one direction
+// to continue in. Light gathered at the k-th surface is direct light for k = 1, and bounce k - 1 after that.
 #include "bvh/surface.glsl"
 #include "lib/brdf.glsl"
 #include "lib/light.glsl"
@@ -14,12 +14,12 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const bool GLOSSY_DIELECTRIC = false;
 layout(constant_id = 1) const uint LIGHT_KIND = 4; // of all lights, or MIXED
 layout(constant_id = 2) const bool ENVIRONMENT = true;
-layout(constant_id = 3) const bool CENTERED = false; // through the middles of the pixels alone
+layout(constant_id = 3) const bool CENTERED = false; // paths go through pixel centres only
 
 struct Emitter {
     uint triangle;
     uint other;   // its alias in Walker's method
-    float share;  // of this emitter, where the other has the rest
+    float share;  // probability of keeping this emitter
 };
 
 layout(scalar, push_constant) uniform Params {
@@ -31,9 +31,9 @@ layout(scalar, push_constant) uniform Params {
     uint bounces;        // layers of indirect light
     uint lights;
     uint emitters;
-    uint emitting_root;  // of the emitting triangles among the nodes of the hierarchy
-    float emitter_chance; // that a light is looked for among the emitting surfaces
-    float squared_min_distance; // 0 but where the bound of the VPLs is asked for
+    uint emitting_root;  // root node of the tree of emitting triangles
+    float emitter_chance; // probability of sampling an emitting surface
+    float squared_min_distance; // 0 unless the VPLs' bound is applied
 } params;
 
 layout(scalar) uniform ViewBlock { View it; } view;
@@ -43,14 +43,14 @@ layout(rgba32f) uniform image2DArray sums;
 layout(scalar) buffer Rays { uint at[]; } rays;
 
 // Layers of the sums: the order of src/reference/sums.rs.
-const int RADIANCE = 0;   // alpha: how many paths met a surface
-const int SPREAD = 1;     // sum of the squared differences from the mean of the radiance (Welford)
-const int IRRADIANCE = 2; // indirect, where the first surface reflects diffusely
+const int RADIANCE = 0;   // alpha: number of paths that hit a surface
+const int SPREAD = 1;     // sum of squared differences from the radiance's mean (Welford)
+const int IRRADIANCE = 2; // indirect, at first surfaces that reflect diffusely
 const int ALBEDO = 3;
 const int DIRECT = 4;     // then the bounces
 
-// Sums are kept in two floats, since millions of the same number lose the last bits of it in one: what rounding left out of a
-// layer stands as many layers behind it as there are (Knuth's two-sum).
+// Sums are kept in two floats, since one loses the last bits of millions of equal numbers. The rounding error of a layer is kept that many
+// layers after it as there are layers (Knuth's two-sum).
 void add(ivec2 pixel, int layer, vec4 more) {
     ivec3 at = ivec3(pixel, layer), rest_at = ivec3(pixel, layer + DIRECT + int(params.bounces) + 1);
     vec4 before = imageLoad(sums, at);
@@ -61,10 +61,10 @@ void add(ivec2 pixel, int layer, vec4 more) {
     imageStore(sums, rest_at, imageLoad(sums, rest_at) + lost);
 }
 
-// Of two ways to find the same light, how much counts from the first (power heuristic).
+// MIS weight of the first of two techniques (power heuristic).
 float share(float density, float other) { return density * density / max(density * density + other * other, 1e-30); }
 
-// By which sample_emitters finds a point of a surface in the direction that a path came by, 1/sr.
+// Density of sample_emitters in the direction by which the path came, 1/sr.
 float emitter_density(float density, float distance, float cosine) {
     return params.emitter_chance * density * distance * distance / max(cosine, 1e-9);
 }
@@ -76,7 +76,7 @@ vec3 reflected(Surface s, vec3 l, vec3 v) {
 
 float density(Surface s, vec3 l, vec3 v) { return brdf_density(s.metallic, s.roughness, GLOSSY_DIELECTRIC, s.normal, l, v); }
 
-// One light, as likely as it would shine unshadowed on the surface: what it brings if nothing is in the way, and the way there.
+// One light, sampled in proportion to its unshadowed light on the surface. Returns its unshadowed contribution, direction and distance.
 vec3 sample_lights(Surface s, vec3 v, float u, out vec3 to_light, out float distance) {
     float sum = 0.0, chosen_weight = 0.0;
     vec3 chosen = vec3(0.0);
@@ -106,7 +106,7 @@ vec3 sample_lights(Surface s, vec3 v, float u, out vec3 to_light, out float dist
     return chosen_weight > 0.0 ? chosen * (sum / chosen_weight) * reflected(s, to_light, v) : vec3(0.0);
 }
 
-// A point of an emitting surface.
+// One point of an emitting surface. Returns its unshadowed contribution, MIS weight included.
 vec3 sample_emitters(Surface s, vec3 v, vec3 u, out vec3 to_light, out float distance) {
     to_light = s.normal;
     distance = 0.0;
@@ -137,15 +137,15 @@ vec3 sample_emitters(Surface s, vec3 v, vec3 u, out vec3 to_light, out float dis
 }
 
 void main() {
-    // Every second row of workgroups, then the others: a software driver gives each thread a part of the list, and the top of a
-    // picture is seldom as much work as the bottom.
+    // Even rows of workgroups first, then odd rows: a software driver gives each thread a contiguous part, and the top of a picture is
+    // seldom as much work as the bottom.
     uint even = (gl_NumWorkGroups.y + 1u) / 2u, turn = gl_WorkGroupID.y;
     uint row = (turn < even ? 2u * turn : 2u * (turn - even) + 1u) * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
     ivec2 pixel = ivec2(gl_GlobalInvocationID.x, params.first_row + row);
     if (row >= params.rows || any(greaterThanEqual(uvec2(pixel), uvec2(view.it.width, view.it.height)))) return;
     uint number = pixel.y * view.it.width + pixel.x;
 
-    // Anywhere in the pixel: a box filter.
+    // Uniform in the pixel: a box filter.
     vec4 u = random(number, params.sample_index, 0u, params.seed);
     if (CENTERED) u.xy = vec2(0.5);
     vec2 ndc = (vec2(pixel) + u.xy) / vec2(view.it.width, view.it.height) * 2.0 - 1.0;
@@ -153,13 +153,13 @@ void main() {
     float t_min = view.it.near;
     vec3 throughput = vec3(1.0), radiance = vec3(0.0), to_irradiance = vec3(0.0), irradiance = vec3(0.0);
     vec3 first_albedo = vec3(0.0);
-    float came_with = 0.0; // density of the direction that the path came by; 0 from the camera
+    float came_with = 0.0; // density of the path's last direction; 0 from the camera
     uint traced = 0u;
     bool met = false;
-    // What the surface before gathers, until the way on from it has shown whether something shines there.
+    // Light gathered at the previous surface, complete once the next ray has found emission or not.
     vec3 gathered = vec3(0.0);
     int gatherer = -1;
-    bool goes_on = false; // beyond the last surface
+    bool goes_on = false; // the path continues beyond the last surface
     for (uint k = 0u; k <= params.bounces; k++) {
         Hit hit = nearest(ray, t_min, k == 0u);
         traced += 1u;
@@ -172,7 +172,7 @@ void main() {
         }
         Surface s = surface_at(ray, hit);
         vec3 v = -normalize(ray.direction);
-        // A normal that faces away, from a normal map or at a grazing angle, is seen at a grazing angle.
+        // A shading normal that faces away, by a normal map or at a grazing angle, is treated as seen at a grazing angle.
         vec3 seen_from = normalize(v + s.normal * max(1e-3 - dot(s.normal, v), 0.0));
         if (EMISSION && any(greaterThan(s.emission, vec3(0.0)))) {
             float mine = 1.0;
@@ -209,7 +209,7 @@ void main() {
         }
         if (any(greaterThan(found, vec3(0.0)))) {
             traced += 1u;
-            // From off the surface the direction differs a little; the end, just before the light, stays.
+            // From the lifted origin the direction differs slightly; the end, just before the light, is the same.
             vec3 way = distance < 1e29 ? s.position + to_light * distance - from : to_light;
             if (!is_occluded(make_ray(from, way), distance < 1e29 ? 0.9999 : 1e30)) {
                 radiance += throughput * found;
@@ -225,14 +225,14 @@ void main() {
         if (came_with <= 0.0 || dot(s.geometric_normal, l) <= 0.0) break;
         vec3 weight = reflected(s, l, seen_from) / came_with;
         if (k == 0u) {
-            // Irradiance, by the directions alone.
+            // Irradiance needs directions only, no BRDF.
             to_irradiance = vec3(s.metallic < 1.0 ? max(dot(s.normal, l), 0.0) / came_with : 0.0);
         } else {
             to_irradiance *= weight;
         }
         throughput *= weight;
         if (k >= 4u) {
-            // Russian roulette: what carries little ends early, and what is left carries more.
+            // Russian roulette: paths of low throughput end early, and survivors are weighted up.
             float survives = clamp(max(max(throughput.r, max(throughput.g, throughput.b)), max(to_irradiance.r, max(to_irradiance.g, to_irradiance.b)) / PI), 0.05, 1.0);
             if (next.w >= survives) break;
             throughput /= survives;
@@ -244,8 +244,7 @@ void main() {
         goes_on = k == params.bounces;
     }
 
-    // What shines on the last surface. No light is gathered from other surfaces any more, so it is enough to know whether one is
-    // in the way.
+    // Emission seen from the last surface. No light is gathered at further surfaces, so visibility of an emitter is all that the ray needs.
     if (either(EMISSION, ENVIRONMENT)) {
         Hit hit = Hit(1e30, NO_TRIANGLE, vec2(0.0));
         if (EMISSION && goes_on) hit = traverse(ray, params.emitting_root, 0.0, 1e30, false, false);

@@ -1,13 +1,13 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Beside what diffuse VPLs need, what makes lobes of glossy ones (Tokuyoshi and Harada 2017).
+// Texel with inputs of diffuse VPLs and of glossy lobes (Tokuyoshi and Harada 2017).
 #include "rsm/surface.glsl"
 
 layout(constant_id = 7) const bool GLOSSY_DIELECTRIC = false;
 layout(location = 3) in vec3 in_normal;
 
-layout(location = 2) out vec4 specular; // Fresnel reflectance along the normal, and at grazing angles, of what part is glossy
+layout(location = 2) out vec4 specular; // Fresnel reflectance at normal and grazing incidence, times the glossy share
 layout(location = 3) out vec4 lobe;     // interpolated normal, octahedral, and GGX's alpha
 
 void main() {
@@ -20,7 +20,7 @@ void main() {
         glossy = 1.0;
     }
     specular = it.lit ? vec4(f0, glossy) : vec4(0.0);
-    // Its side is that of the geometric normal, which faces the light.
+    // Flipped with the geometric normal, which faces the light.
     lobe = vec4(octahedral(normalize(gl_FrontFacing ? in_normal : -in_normal)), max(it.roughness * it.roughness, 1e-3), 0.0);
     cut_out(it);
 }

@@ -12,7 +12,7 @@ void main() {
     mat4x3 transform = draws.at[gl_BaseInstance].transform;
     put_vertex(transform);
     mat3 linear = mat3(transform);
-    // The cofactor matrix carries normals through any scale; its sign is the transform's own.
+    // The cofactor matrix transforms normals under any scale; the sign is the transform's own.
     mat3 cofactor = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
     out_normal = cofactor * octahedral_inverse(normal) * (dot(linear[0], cofactor[0]) < 0.0 ? -1.0 : 1.0);
 }

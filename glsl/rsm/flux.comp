@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Flux that arrives in each texel that has a surface: after rasterization, so that what is hidden costs nothing.
+// Flux arriving at each texel with a surface. It is computed after rasterization, so that hidden surfaces cost nothing.
 #include "lib/light.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;

@@ -1,4 +1,4 @@
-// What a pixel of a reflective shadow map shows: the material's numbers, over the area that a VPL stands for.
+// Texel of a reflective shadow map: material properties, averaged over a VPL's footprint.
 #include "lib/light.glsl"
 #include "lib/packing.glsl"
 #include "lib/scene.glsl"
@@ -19,7 +19,7 @@ layout(location = 1) out vec4 albedo;
 
 layout(scalar, push_constant) uniform Params {
     vec2 texel_size;  // of the map, in [-1, 1]
-    float albedo_lod; // added to the mip level, so that the albedo is the mean over the area that a VPL stands for
+    float albedo_lod; // mip bias: averages the albedo over a VPL's footprint
 } params;
 
 layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
@@ -32,7 +32,7 @@ struct Surface {
     float alpha;     // coverage
     float metallic;
     float roughness;
-    bool lit;        // from its front, or double-sided
+    bool lit;        // lit from its front, or double-sided
 };
 
 Surface surface() {
@@ -64,7 +64,7 @@ void put_diffuse(Surface it) {
     albedo = vec4(it.lit ? it.tint * (1.0 - it.metallic) : vec3(0.0), 1.0);
 }
 
-// Last, since derivatives mean nothing after it.
+// Discarded last, since derivatives are undefined after it.
 void cut_out(Surface it) {
     if (MASKED && it.alpha < material_block.it.alpha_cutoff) discard;
 }

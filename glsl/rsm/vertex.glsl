@@ -1,8 +1,8 @@
-// A vertex of the scene, once for each light.
+// Vertex of the scene, projected into one light's map.
 #include "lib/light.glsl"
 #include "lib/scene.glsl"
 
-// One light's numbers are the same for all vertices, which drivers know how to use.
+// A single light's parameters are uniform over all vertices, which drivers exploit.
 layout(constant_id = 0) const bool SEVERAL_LIGHTS = true;
 layout(constant_id = 5) const bool VERTEX_COLOR = false;
 
@@ -20,7 +20,7 @@ layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
 out gl_PerVertex { vec4 gl_Position; };
 
 void put_vertex(mat4x3 transform) {
-    // An instance a light: each goes to the layer of its own.
+    // One instance a light, each in that light's layer.
     uint layer = 0u;
     if (SEVERAL_LIGHTS) layer = gl_InstanceIndex - gl_BaseInstance;
     vec3 world = transform * vec4(position, 1.0);

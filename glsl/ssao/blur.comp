@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The sum over the pattern's four texels of a row or a column, as far as they lie on the same surface.
+// Sum over the pattern's four texels of a row or a column, restricted to the same surface.
 #include "lib/packing.glsl"
 #include "lib/view.glsl"
 
@@ -23,12 +23,12 @@ void main() {
     ivec2 along = ivec2(1, 0);
     if (VERTICAL) along = ivec2(0, 1);
     float z = imageLoad(distances, texel).r;
-    // The slope, from the side that changes less, so that a surface that runs away stays one.
+    // Slope of the distance, from the side that changes less, so that receding surfaces stay connected.
     float before = imageLoad(distances, clamp(texel - along, ivec2(0), params.size - 1)).r;
     float after = imageLoad(distances, clamp(texel + along, ivec2(0), params.size - 1)).r;
     float slope = abs(after - z) < abs(z - before) ? after - z : z - before;
     vec2 sum = vec2(0.0);
-    // Five texels, the outer ones by half: four in all, in the middle.
+    // Five texels, the outer two with half weight: four in all, centred.
     for (int i = -2; i <= 2; i++) {
         ivec2 at = clamp(texel + i * along, ivec2(0), params.size - 1);
         float other = imageLoad(distances, at).r;

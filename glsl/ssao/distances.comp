@@ -1,7 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Distances along the view's axis of every pixel, or of every second in every second row, where a software driver loads them fast.
+// Distances along the view's axis, of every pixel or of every second pixel of every second row, in a format that a software driver loads
+// fast.
 #include "lib/view.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -13,7 +14,7 @@ layout(scalar, push_constant) uniform Params {
 
 layout(scalar) uniform ViewBlock { View it; } view;
 uniform sampler2D depth;
-layout(r32f) writeonly uniform image2D distances; // 0 where there is no surface
+layout(r32f) writeonly uniform image2D distances; // 0 without a surface
 
 void main() {
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy);

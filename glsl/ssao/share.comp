@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The share of the hemisphere that a pixel sees, from the texels around it that lie on its surface.
+// Share of the hemisphere that a pixel sees, interpolated from texels on its surface.
 #include "lib/view.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Empty maps.
+// Clears the maps to EMPTY.
 #include "visibility/ism.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;

@@ -1,8 +1,8 @@
-// Points with normals: tilted disks, which the VPL sees as ellipses, and whose depth is that of their planes.
+// Points with normals: tilted disks, which project to ellipses and have their plane's depth.
 #include "visibility/pulled.glsl"
 #include "visibility/tilt.glsl"
 
-// The ellipses reach far enough.
+// None: the ellipses close gaps well enough.
 const float SPREAD = 0.0;
 
 #define PULLED_FORMAT rgba32ui
@@ -16,12 +16,12 @@ Pulled pulled_from(uvec4 words) {
 
 bool reaches(Pulled p, vec2 way, ivec2 texel, int tile, float scale, out float depth) {
     float facing = facing_of(p.tilt);
-    // Along the tilt the disk looks narrower, by the cosine. Where it lies in its texel is not known.
+    // Foreshortened by the cosine along the tilt, and grown since its place within its texel is not known.
     float along = dot(way, p.tilt) * inversesqrt(max(dot(p.tilt, p.tilt), 1e-6));
     float across = max(dot(way, way) - along * along, 0.0);
     float snapped = SNAPPED * scale;
     float wide = p.radius * p.radius + snapped * snapped, narrow = p.radius * p.radius * facing * facing + snapped * snapped;
-    // A texel as an angle.
+    // Step in texels, as an angle.
     vec2 place = (vec2(texel & (tile - 1)) + 0.5) * (2.0 / float(tile)) - 1.0;
     vec2 turned = way * (4.0 / (float(tile) * (1.0 + dot(place, place))));
     depth = p.depth * clamp(facing / max(facing - dot(p.tilt, turned), 1e-3), 0.5, 2.0);

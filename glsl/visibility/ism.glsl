@@ -1,8 +1,8 @@
-// What the maps' texels hold on the way to distances, and where a VPL's map lies.
+// Texels of imperfect shadow maps during construction, and layout of the maps.
 const uint EMPTY = 0xffffffffu;
 
-// Distance over `far` in 24 bits over the radius in 8: the nearer is the less, whatever its radius. The radius is in texels of the
-// finest level, 16 steps an octave.
+// Distance over `far` in 24 bits above the radius in 8: a nearer point is less, whatever its radius. The radius is in texels of the finest
+// level, 16 steps an octave.
 uint pack_pixel(float depth, float radius) {
     uint d = uint(clamp(depth, 0.0, 1.0) * 16777214.0);
     uint r = uint(clamp(96.5 + 16.0 * log2(radius), 1.0, 255.0));
@@ -15,5 +15,5 @@ float pixel_radius(uint word) { return exp2((float(word & 255u) - 96.0) / 16.0);
 // Corner of a VPL's map in the image of all maps.
 ivec2 map_corner(uint vpl, uint columns, int size) { return ivec2(vpl % columns, vpl / columns) * size; }
 
-// A point lies anywhere in its texel: how far from the middle, about.
+// Approximate distance of a point from the middle of its texel, texels.
 const float SNAPPED = 0.75;

@@ -1,4 +1,4 @@
-// The level of a triangle, or of a part of one, by its area (Linke 2016, section 4.4.1).
+// Tessellation level of a triangle, or of a part of one, by its area (Linke 2016, section 4.4.1).
 #include "visibility/point.glsl"
 #include "visibility/patch-params.glsl"
 
@@ -9,7 +9,7 @@ layout(location = 1) flat in uvec3 ids[];
 
 layout(location = 0) out vec3 out_position[];
 layout(location = 1) patch out uvec4 out_triangle; // vertices and draw
-layout(location = 2) patch out uvec2 out_part;     // its number, and the level
+layout(location = 2) patch out uvec2 out_part;     // number of the part, and level
 
 void main() {
     vec3 a = position[0], b = position[1], c = position[2];
@@ -23,7 +23,7 @@ void main() {
     if (gl_InvocationID == 0) {
         out_triangle = uvec4(ids[0].x, ids[1].x, ids[2].x, ids[0].y);
         out_part = uvec2(part, parts.level);
-        // Level 0 leaves the patch out.
+        // Level 0 discards the patch.
         float level = there ? float(parts.level) : 0.0;
         gl_TessLevelInner[0] = level;
         gl_TessLevelOuter[0] = level;

@@ -1,5 +1,5 @@
-// A corner of a small triangle.
-// Clockwise in the tessellator's own coordinates, whose origin is above, is counter-clockwise here: normals point to the front.
+// Corner of a small triangle. Clockwise in the tessellator's coordinates, whose origin is above, is counter-clockwise here: normals point
+// to the front.
 layout(triangles, equal_spacing, cw) in;
 
 layout(location = 0) in vec3 position[];

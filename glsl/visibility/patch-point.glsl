@@ -1,4 +1,4 @@
-// What the geometry stage gets, and the point that it makes of it.
+// Inputs of the geometry stage, and the point made from a small triangle.
 #include "lib/scene.glsl"
 #include "visibility/point.glsl"
 #include "visibility/patch-params.glsl"
@@ -13,13 +13,13 @@ layout(location = 3) flat in uvec2 part[];
 
 layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
 
-// The small triangle's point and its hash, if there is one.
+// Point of the small triangle, and its hash; false if there is none.
 bool small_triangles_point(out Point point, out uvec2 hash) {
     vec3 normal = cross(position[1] - position[0], position[2] - position[0]);
     float area = length(normal);
     if (!(area > 0.0)) return false;
     normal /= area;
-    // Ninths of a segment: whole numbers, so that rounding leaves the hash alone.
+    // Ninths of a segment, as whole numbers, so that rounding does not change the hash.
     uvec3 ninths = uvec3(round((place[0] + place[1] + place[2]) * (3.0 * float(part[0].y))));
     hash = point_hash(triangle[0].xyz, triangle[0].w, part[0].x, ninths, params.seed);
     area = point_area(0.5 * area, params.max_area, hash.y, THIN);

@@ -1,5 +1,5 @@
-// A corner of a triangle in the world, and what tells triangles and their parts apart: the numbers of primitives do not, in the
-// tessellation stages of some drivers.
+// World-space corner of a triangle, and ids of its triangle and part: primitive numbers are unreliable in the tessellation stages of some
+// drivers.
 #include "lib/scene.glsl"
 
 layout(location = 0) in vec3 position;

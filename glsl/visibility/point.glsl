@@ -1,8 +1,8 @@
-// Points from triangles (Linke 2016, section 4.4.1): the rule that both ways of making them share.
+// Points from triangles (Linke 2016, section 4.4.1): the rule shared by the tessellator's and the compute shader's points.
 //
-// A triangle is cut into s * s congruent ones, and each of those is tessellated with all levels n, equally spaced; a point stands
-// for each small triangle, at its centre. The level is the least that keeps the small triangles' area at `max_area` or below, and
-// s is the least that keeps it at MOST_LEVEL or below: lavapipe loses patches in larger batches.
+// A triangle is cut into s * s congruent ones, and each of these is tessellated with all levels n, equally spaced. A point represents a
+// small triangle, at its centre. The level n is the least that keeps small triangles' area at or below `max_area`; s is the least that
+// keeps n at or below MOST_LEVEL, since lavapipe loses patches in larger batches.
 #include "lib/packing.glsl"
 #include "lib/pi.glsl"
 #include "lib/random.glsl"
@@ -12,7 +12,7 @@ const uint MOST_LEVEL = 15u;
 // A point: 16 bytes.
 struct Point {
     vec3 position;
-    uint packed; // normal, octahedral, twice 10 bits; log2 of the radius, 11 bits; whether both sides are seen
+    uint packed; // normal, octahedral, 2 x 10 bits; log2 of the radius, 11 bits; double-sided, 1 bit
 };
 
 struct Subdivision {
@@ -34,8 +34,8 @@ Subdivision subdivision(float area, float max_area) {
 // Small triangles of a triangle that is tessellated with level n.
 uint points_of_level(uint n) { return (3u * n * n) / 2u; }
 
-// Barycentric coordinates of the corners of sub-triangle i of s * s, in units of 1 / s: rows of 2 (s - row) - 1 from the first
-// edge up, every second one upside down.
+// Barycentric coordinates of the corners of sub-triangle i of s * s, in units of 1 / s. Rows have 2 (s - row) - 1 sub-triangles from the
+// first edge up, every second one upside down.
 void sub_triangle(uint i, uint s, out uvec3 a, out uvec3 b, out uvec3 c) {
     uint row = 0u, k = i;
     for (; k >= 2u * (s - row) - 1u; row++) k -= 2u * (s - row) - 1u;
@@ -51,9 +51,9 @@ void sub_triangle(uint i, uint s, out uvec3 a, out uvec3 b, out uvec3 c) {
     }
 }
 
-// Barycentric coordinates, in units of 1 / (9 n), of the centre of small triangle k of level n, and its share of the whole area.
-// The tessellator draws rings of triangles: ring j has m = n - 2 j segments a side, and its small triangles stand in strips, with
-// their bases on the ring or on the next one inside.
+// Barycentric coordinates of the centre of small triangle k of level n, in units of 1 / (9 n), and its share of the area. The tessellator
+// makes rings of triangles: ring j has m = n - 2 j segments a side. Its small triangles form strips, with their bases on the ring or on the
+// next one inside.
 uvec3 small_triangle(uint k, uint n, out float share) {
     uint j = 0u;
     uint m = n;
@@ -65,7 +65,7 @@ uvec3 small_triangle(uint k, uint n, out float share) {
     if (m <= 1u) return uvec3(3u * n);
     uint strip = 2u * m - 2u;
     uint side = k / strip, t = k - side * strip;
-    // Sum of the three corners' places along the outer edge, and how many of them are on the inner one.
+    // Sum of the three corners' positions along the outer edge, and how many of the corners are on the inner edge.
     uint x, q = 1u;
     if (t == 0u) {
         x = 2u;
@@ -74,7 +74,7 @@ uvec3 small_triangle(uint k, uint n, out float share) {
     } else {
         uint i = (t + 1u) >> 1u;
         bool outer = (t & 1u) != 0u;
-        // The diagonals of the quads between two rings lean towards the middle of the side.
+        // Diagonals of the quads between two rings lean towards the middle of the side.
         bool leans = 2u * i < m;
         x = 3u * i + (outer ? (leans ? 2u : 1u) : (leans ? 1u : 2u));
         q = outer ? 1u : 2u;
@@ -84,22 +84,22 @@ uvec3 small_triangle(uint k, uint n, out float share) {
     return side == 0u ? b : side == 1u ? b.zxy : b.yzx;
 }
 
-// A number of the point that stays the same from frame to frame: of its triangle's corners and draw, of the sub-triangle, and of its
-// place in it in units of 1 / (9 n).
+// Hash of a point that is the same in all frames: from its triangle's corners and draw, its sub-triangle, and its position in that in units
+// of 1 / (9 n).
 uvec2 point_hash(uvec3 corners, uint draw, uint sub, uvec3 place, uint seed) {
     uvec4 h = pcg4d(uvec4(corners, draw ^ seed));
     return pcg4d(h ^ uvec4(sub, place)).xy;
 }
 
-// A number of [0, count) from a hash.
+// Number in [0, count) from a hash.
 uint hashed_index(uint hash, uint count) {
     uint high, low;
     umulExtended(hash, count, high, low);
     return high;
 }
 
-// The area that a point stands for. If small triangles are thinned, a point of less than `max_area` is kept with probability area / max_area and
-// stands for `max_area`; otherwise it is left out, with area 0.
+// Area of a point after thinning by Russian roulette: points of less than `max_area` survive in proportion to their area and then represent
+// `max_area`; 0 for points that are dropped.
 float point_area(float area, float max_area, uint hash, bool thin) {
     if (!thin || area >= max_area) return area;
     return float(hash >> 8u) < area / max_area * 16777216.0 ? max_area : 0.0;
@@ -116,13 +116,13 @@ vec3 point_normal(Point p) { return octahedral_inverse((vec2(p.packed & 1023u, p
 
 float point_radius(Point p, float diagonal) { return diagonal * exp2((float(p.packed >> 20 & 2047u) - 2047.0) / 96.0); }
 
-// An empty place of the pool: all zeros, which no normal packs to.
+// Empty slot of the pool: all zeros, which no normal packs to.
 bool point_is_empty(Point p) { return p.packed == 0u; }
 
 bool point_is_double_sided(Point p) { return p.packed >> 31 != 0u; }
 
-// Whether a VPL can be hidden by a point, `way` from it: the point lies before it and turns towards it, both by half a degree at
-// least. Flatter ones cover nothing, and rounding alone decides about those of the VPL's own surface.
+// Whether a point can occlude a VPL's light, `way` from it: the point is in front of the VPL and faces it, both by at least half a degree.
+// Flatter points cover nothing, and only rounding decides about points of the VPL's own surface.
 bool point_faces(Point point, vec3 normal, vec3 way, vec3 facing) {
     float before = dot(facing, way), turned = -dot(normal, way);
     if (point_is_double_sided(point)) turned = abs(turned);
@@ -130,8 +130,8 @@ bool point_faces(Point point, vec3 normal, vec3 way, vec3 facing) {
     return before > 0.0 && before * before > least && turned > 0.0 && turned * turned > least;
 }
 
-// By how much a point's radius grows, since the points near it are in other maps: `count` VPLs share the points out, each point
-// considers `considered` of them, could be drawn for `passing` of those, and is drawn for `drawn`.
+// Growth of a point's radius, since its neighbours are in other maps: `count` VPLs share the points, each point considers `considered` of
+// them, could be drawn for `passing` of these, and is drawn for `drawn`.
 float point_enlargement(uint count, uint considered, uint passing, uint drawn) {
     return sqrt(float(count) / float(considered) * (float(passing) / float(drawn)));
 }

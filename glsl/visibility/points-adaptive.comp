@@ -1,9 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Points for each VPL's map by the solid angle under which the VPL sees them. A workgroup a VPL draws point clusters by their solid angle, and points
-// within them by area. Near surfaces get more points, and all maps together as many as before. A point stands for the more of its surface the
-// fewer are drawn of it.
+// Points for each VPL by solid angle, a workgroup a VPL: it draws point clusters in proportion to their approximate solid angle, and points
+// within a cluster by area. Near surfaces get more points, and all maps together as many as before. A point represents more surface where
+// few points are drawn.
 #include "lib/packing.glsl"
 #include "lib/vpl.glsl"
 #include "visibility/point-cluster.glsl"
@@ -61,7 +61,7 @@ void main() {
     for (uint i = lane; i < count; i += 64u) {
         vec4 u = random(vpl, i, 0u, params.seed);
         float at = (float(i) + u.x) / float(count) * total;
-        // The first cluster whose sum is beyond.
+        // Binary search of the first cluster whose running sum is above.
         uint cluster = 0u;
         for (uint step = 4096u; step > 0u; step /= 2u) {
             cluster += cluster + step <= params.clusters - 1u && sums[cluster + step - 1u] <= at ? step : 0u;
@@ -75,7 +75,7 @@ void main() {
         for (uint step = 4096u; step > 0u; step /= 2u) {
             k += k + step < most && areas.at[first + k + step - 1u] <= within ? step : 0u;
         }
-        // Rounding may lead to the cluster's end, behind its last point.
+        // Rounding may lead past the cluster's last point.
         while (THIN && k > 0u && point_is_empty(pool.at[first + k])) k--;
         Point point = pool.at[min(first + k, max(end, 1u) - 1u)];
         float own = point_radius(point, params.diagonal);

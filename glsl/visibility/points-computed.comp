@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Points from triangles without the tessellator: the same ones, each in the partition that its hash says.
+// Points from triangles without the tessellator: the same points, each in the partition given by its hash.
 #include "visibility/triangles.glsl"
 
 layout(scalar) writeonly buffer Points { Point at[]; } points;

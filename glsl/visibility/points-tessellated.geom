@@ -1,10 +1,10 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Points into the partitions that their hashes say.
+// Points into the partitions given by their hashes.
 #include "visibility/patch-point.glsl"
 
-// A stage must say that it gives something; this one never does.
+// A geometry stage must declare an output; this one emits nothing.
 layout(points, max_vertices = 1) out;
 out gl_PerVertex { float gl_PointSize; };
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Point clusters, an invocation each, and within each the running sums of the points' areas, by which points are drawn.
+// Point clusters, an invocation each, with running sums of the points' areas, by which points are drawn.
 #include "visibility/point-cluster.glsl"
 #include "visibility/point.glsl"
 
@@ -45,7 +45,7 @@ void main() {
     }
     cluster.center = 0.5 * (least + most);
     if (cluster.area > 0.0) cluster.extent = 0.5 * (most - least);
-    // A convex body shows a quarter of its surface to any side; a sheet that is seen from both, half.
+    // The mean projected area of a convex body is a quarter of its surface; that of a double-sided sheet is half.
     cluster.stray = 0.25 * max(single - length(cluster.vector_area), 0.0) + 0.5 * both;
     clusters.at[index] = cluster;
 }

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// How many points each chunk gives, said by the last of the workgroups that share it.
+// Number of points of each chunk, written by the last of the workgroups that share it.
 #include "visibility/triangles.glsl"
 
 layout(scalar) writeonly buffer Counts { uint at[]; } counts;

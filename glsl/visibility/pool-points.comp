@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The pool: all points in the order of their triangles, so that neighbours are together. The places of points that are thinned out stay empty.
+// All points in the order of their triangles, so that neighbours are adjacent. Points that are thinned out leave an empty slot.
 #include "visibility/triangles.glsl"
 
 layout(scalar) readonly buffer Begins { uint at[]; } begins;

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
-// Where each chunk's points begin: the sum of all counts before it. One workgroup.
+// Start of each chunk's points: an exclusive prefix sum of the counts. One workgroup.
 layout(local_size_x = 256) in;
 
 layout(scalar, push_constant) uniform Params {
@@ -8,7 +8,7 @@ layout(scalar, push_constant) uniform Params {
 } params;
 
 layout(scalar) readonly buffer Counts { uint at[]; } counts;
-layout(scalar) writeonly buffer Begins { uint at[]; } begins; // one more, for the end
+layout(scalar) writeonly buffer Begins { uint at[]; } begins; // one more element, for the end
 
 shared uint sums[256];
 

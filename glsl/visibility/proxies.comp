@@ -1,7 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Proxies, VPLs whose imperfect shadow maps others share: in each block of a reflective shadow map's texels the lit VPL that is nearest to the middle.
+// VPLs whose imperfect shadow maps others share: in each block of a reflective shadow map's texels, the lit VPL nearest to the block's
+// middle.
 #include "lib/permutation.glsl"
 #include "lib/vpl.glsl"
 
@@ -18,7 +19,7 @@ layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Areas { float at[]; } areas;
 layout(scalar) writeonly buffer ProxyPlaces { VplPlace at[]; } proxy_places;
 layout(scalar) writeonly buffer ProxyAreas { float at[]; } proxy_areas;
-layout(scalar) writeonly buffer Labels { uint at[]; } labels; // of each VPL its proxy
+layout(scalar) writeonly buffer Labels { uint at[]; } labels; // proxy of each VPL
 
 void main() {
     uint proxy = gl_GlobalInvocationID.x;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The first pull: from single pixels.
+// First pull, from single pixels.
 #include "visibility/pull.glsl"
 
 layout(constant_id = 0) const uint MAP_SIZE = 64;

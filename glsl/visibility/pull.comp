@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// A pull from one coarse level to the next.
+// Pull from one coarse level to the next.
 #include "visibility/pull.glsl"
 
 layout(PULLED_FORMAT) readonly uniform uimage2D finer;

@@ -1,6 +1,7 @@
-// The pull phase (Linke 2016, section 3.3.2): a texel of the coarser level is the mean of those of the four below it that lie in the
-// depth interval of the frontmost. Whoever includes it defines a texel of the finer level, and whether there is a point in it:
+// Pull phase (Linke 2016, section 3.3.2): a texel of the coarser level is the mean of those of the four below it that lie in the depth
+// interval of the frontmost. An includer defines
 //     bool finer_texel(ivec2 texel, out Pulled p);
+// which loads a texel of the finer level, and returns whether it is filled.
 #include "part/disk=visibility/disk-facing"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -30,7 +31,7 @@ void main() {
     float count = 0.0, spread = 0.0;
     for (int i = 0; i < 4; i++) {
         float weight = there[i] && from[i].depth <= limit ? 1.0 : 0.0;
-        // In texels of the coarser level, from its centre.
+        // Offset in texels of the coarser level, from its centre.
         vec2 place = 0.5 * (from[i].offset + vec2(i & 1, i >> 1) - 0.5);
         sum.depth += weight * from[i].depth;
         sum.radius += weight * from[i].radius;
@@ -44,7 +45,7 @@ void main() {
     sum.depth *= over;
     sum.radius *= over;
     sum.offset *= over;
-    // Points that lie apart reach farther together, or there were holes between them.
+    // Points that lie apart cover more together, to leave no holes between them.
     spread = max(spread * over - dot(sum.offset, sum.offset), 0.0) * SPREAD * params.texel * params.texel;
     sum.radius = sqrt(sum.radius * sum.radius + spread);
     Pulled mean = Pulled(sum.depth, sum.radius, max(sum.extent - sum.depth, 0.0), sum.offset, sum.tilt * over);

@@ -1,15 +1,15 @@
-// A texel of a coarser level: two words.
+// Texel of a coarser level: two words.
 #include "visibility/ism.glsl"
 
 struct Pulled {
     float depth;  // over `far`
     float radius; // texels of the finest level
-    float extent; // of the depth interval, over `far`
-    vec2 offset;  // of the place from the texel's centre, in texels of its level
-    vec2 tilt;    // where normals are kept
+    float extent; // length of the depth interval, over `far`
+    vec2 offset;  // position from the texel's centre, in texels of its level
+    vec2 tilt;    // if normals are kept
 };
 
-// Where a texel's place may lie, in texels from its centre.
+// Largest offset of a position from its texel's centre, texels.
 const float FARTHEST_OFFSET = 8.0;
 
 uvec2 pack_pulled(Pulled p) {

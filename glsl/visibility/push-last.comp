@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The last push, to the finest level: the distances that the gather compares with.
+// Last push: distances alone, for the gather.
 #include "visibility/push.glsl"
 
 layout(r32ui) readonly uniform uimage2D finer;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// A push from one coarse level to the next finer one.
+// Push from one coarse level to the next finer one.
 #include "visibility/push.glsl"
 
 layout(PULLED_FORMAT) uniform uimage2D finer;

@@ -1,10 +1,9 @@
-// The push phase (Linke 2016, section 3.3.2): an invocation fills the four texels of the finer level that lie around a corner of the
-// coarser level's, since they are interpolated from the same four. A texel is filled if it is empty, or behind the interpolated surface.
-// Whoever includes it defines the depth of a texel of the finer level, and whether there is a point in it; and what is stored where a texel is filled,
-// and where it is kept:
+// Push phase (Linke 2016, section 3.3.2): an invocation fills the four texels of the finer level around a corner of a coarser texel, since
+// they are interpolated from the same four. A texel is filled if it is empty, or hidden by the interpolated surface. An includer defines
 //     bool finer_texel(ivec2 texel, out float depth);
 //     void fill_texel(ivec2 texel, Pulled p);
 //     void keep_texel(ivec2 texel, bool there, float depth);
+// which load a finer texel's depth and return whether it is filled, store an interpolated texel, and keep a texel.
 #include "part/disk=visibility/disk-facing"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -13,7 +12,7 @@ layout(constant_id = 0) const bool CLAMP = true;
 layout(scalar, push_constant) uniform Params {
     ivec2 size;  // of the finer level
     int tile;    // side of a map in it
-    float scale; // of its texels in one of the finest level's
+    float scale; // texels of this level in one of the finest level
 } params;
 
 layout(PULLED_FORMAT) readonly uniform uimage2D coarser;
@@ -37,11 +36,11 @@ void main() {
         ivec2 texel = corner - 1 + ivec2(i & 1, i >> 1);
         bool inside = all(greaterThanEqual(texel, ivec2(0))) && all(lessThan(2 * texel, params.size));
         there[i] = coarser_texel(clamp(texel, ivec2(0), params.size / 2 - 1), from[i]) && inside;
-        // From the corner, in texels of the finer level.
+        // Offset from the corner, in texels of the finer level.
         from[i].offset = 2.0 * (from[i].offset + vec2(i & 1, i >> 1) - 0.5);
         from[i].radius *= params.scale;
     }
-    // Where maps meet, nothing crosses.
+    // Nothing crosses the border between two maps.
     bvec2 seam = bvec2(CLAMP && (2 * corner.x) % params.tile == 0, CLAMP && (2 * corner.y) % params.tile == 0);
     for (int o = 0; o < 4; o++) {
         ivec2 texel = 2 * corner - 1 + ivec2(o & 1, o >> 1);
@@ -59,7 +58,7 @@ void main() {
         Pulled sum = Pulled(0.0, 0.0, 0.0, vec2(0.0), vec2(0.0));
         float weights = 0.0;
         for (int i = 0; i < 4; i++) {
-            // Bilinear: 9, 3, 3 and 1 sixteenths.
+            // Bilinear weights: 9, 3, 3 and 1 sixteenths.
             float weight = (((i ^ o) & 1) == 0 ? 0.75 : 0.25) * (((i ^ o) & 2) == 0 ? 0.75 : 0.25);
             weight = reached[i] && depths[i] <= limit ? weight : 0.0;
             sum.depth += weight * depths[i];

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Shadow rays between pixels and virtual point lights: an invocation traces those of one pixel and 32 VPLs. Pixels share the VPLs
-// out as in glsl/gather/per-pixel.glsl.
+// Shadow rays between pixels and virtual point lights: an invocation traces those of one pixel and 32 VPLs. Pixels share the VPLs as in
+// glsl/gather/per-pixel.glsl.
 #include "bvh/hole.glsl"
 #include "gbuffer/receiver.glsl"
 #include "lib/vpl.glsl"
@@ -18,8 +18,8 @@ layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Areas { float at[]; } areas; // 0 of VPLs that are dark
 layout(r32ui) writeonly uniform uimage2DArray visible;
 
-// Off a surface whose place comes from a depth map. Rasterizers move corners by up to a 256th of a pixel, and the map's surfaces
-// with them: `off` is what that comes to there, metres.
+// Position lifted off a surface that was reconstructed from depth. Rasterizers snap corners by up to a 256th of a pixel, which moves the
+// surface by up to `off`, metres.
 vec3 lifted(vec3 position, vec3 n, float off) { return off_surface(position + n * (off + 2e-6 * view.it.diagonal), n); }
 
 void main() {
@@ -37,7 +37,7 @@ void main() {
             VplPlace vpl = places.at[index];
             vec3 facing = octahedral_snorm16_inverse(vpl.normal);
             vec3 way = vpl.position - r.position;
-            // Only where some light would arrive.
+            // Traced only if light would arrive.
             if (dot(r.normal, way) > 0.0 && dot(facing, way) < 0.0 && areas.at[index] > 0.0) {
                 bits |= is_occluded(make_ray(from, lifted(vpl.position, facing, 2e-5 * view.it.diagonal) - from), 1.0) ? 0u : 1u << i;
             }

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// How the nearest points' surfaces are tilted. A second look at all points, since no atomic could write both words at once: who finds
-// its own word has won. Should two points have the same, the lesser tilt stays, whatever their order.
+// Tilts of the nearest points, in a second pass over all points, since no atomic writes both words at once: a point that finds its own word
+// in the map has won. If two points have the same word, the lesser tilt stays, whatever their order.
 #include "visibility/single-pixel.glsl"
 #include "visibility/tilt.glsl"
 

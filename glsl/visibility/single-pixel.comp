@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The nearest point of a texel stays: its distance and radius.
+// Distance and radius of the nearest point in each texel.
 #include "visibility/single-pixel.glsl"
 
 layout(r32ui) uniform uimage2D target;
@@ -9,7 +9,7 @@ layout(scalar) buffer Dropped { uint count; } dropped;
 layout(scalar) buffer Drawn { uint count; } drawn;
 
 void put(ivec2 texel, uint word, vec3 normal, vec3 w, vec2 p) {
-    // Most points lose, and to look first is cheaper than to be told.
+    // Most points lose, and a load is cheaper than an atomic.
     if (word < imageLoad(target, texel).r) imageAtomicMin(target, texel, word);
 }
 

@@ -1,8 +1,9 @@
-// Points as single pixels (Linke 2016, section 4.4.3): a workgroup a partition. Each point is considered for the maps of the
-// partition's VPL and those that follow it, and drawn into the first few that can see it. Whoever includes it defines what becomes of a texel's word, given
-// the point's normal and direction in the VPL's space and its place in the disk; and of the counts of a workgroup or an invocation:
+// Points as single pixels (Linke 2016, section 4.4.3): a workgroup a partition. Each point is tested against the partition's VPL and those
+// that follow it, and drawn into the maps of the first few that can see it. An includer defines
 //     void put(ivec2 texel, uint word, vec3 normal, vec3 w, vec2 p);
+// which stores a texel's word (the point's normal and direction are in the VPL's space, p is its place in the disk), and
 //     void put_total(uint drawn, uint lost);
+// which adds the counts of a workgroup or an invocation.
 #include "lib/basis.glsl"
 #include "lib/paraboloid.glsl"
 #include "lib/vpl.glsl"
@@ -16,17 +17,17 @@ layout(constant_id = 2) const bool ROUND = true; // no normals are kept
 
 layout(scalar, push_constant) uniform Params {
     uint count;      // VPLs
-    uint shares;     // VPLs that share the points out: all, or 1 where each has points of its own
-    uint considered; // VPLs a point, at most 32
-    uint collected;  // of them
+    uint shares;     // VPLs that share the points: all, or 1 if each has its own
+    uint considered; // VPLs a point is tested against, at most 32
+    uint collected;  // VPLs that a point is drawn for, at most
     uint columns;    // maps side by side
-    float far;       // distance that the maps end at, metres
+    float far;       // far distance of the maps, metres
     float diagonal;
-    float enlarge;   // all points
+    float enlarge;   // factor of all radii
 } params;
 
 layout(scalar) readonly buffer Points { Point at[]; } points;
-layout(scalar) readonly buffer Begins { uint at[]; } begins; // where the partitions begin, and the end
+layout(scalar) readonly buffer Begins { uint at[]; } begins; // start of each partition, and the end
 layout(scalar) readonly buffer Fill { uint at[]; } fill;
 layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 
@@ -47,7 +48,7 @@ void main() {
     }
     barrier();
     uint begin = begins.at[part], held = fill.at[part];
-    // Which ones a full partition has lost hangs on the order of the atomics: it draws none.
+    // The order of atomics decides which points an overfull partition has lost: to stay deterministic, it draws none.
     if (held > begins.at[part + 1u] - begin) {
         if (lane == 0u) put_total(0u, held);
         held = 0u;
@@ -72,18 +73,18 @@ void main() {
                 vec3 w = way * axes[k] / d;
                 vec2 p = paraboloid(w);
                 ivec2 texel = clamp(ivec2((p * 0.5 + 0.5) * float(MAP_SIZE)), ivec2(0), ivec2(MAP_SIZE - 1u));
-                // A disk seen aslant covers less; where normals are kept, they say how.
+                // A disk at an angle covers less area; if normals are kept, they give the ellipse.
                 float seen_radius = radius;
                 if (DISTORTION) {
                     if (ROUND) seen_radius *= sqrt(abs(dot(normal, way)) / d);
                 }
                 float size = paraboloid_radius(seen_radius, d, w.z, DISTORTION) * (0.5 * float(MAP_SIZE));
-                // A texel's middle is not the point's place: it reaches so much farther.
+                // The radius grows because the texel's centre is not the point's position.
                 vec3 local = normal * axes[k];
                 if (ROUND) {
                     size = sqrt(size * size + SNAPPED * SNAPPED);
                 } else {
-                    // Or the disk's plane says how far off it is in the texel's middle.
+                    // Depth of the disk's plane at the texel's centre.
                     vec3 middle = paraboloid_inverse((vec2(texel) + 0.5) * (2.0 / float(MAP_SIZE)) - 1.0);
                     float runs = dot(local, w) / dot(local, middle);
                     d *= runs > 0.0 ? clamp(runs, 0.8, 1.25) : 1.0;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// From the depth of splats, reversed, to distances.
+// Converts the reversed depth of splats to distances.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(scalar, push_constant) uniform Params {

@@ -1,5 +1,5 @@
 #version 460
-// A splat's depth alone. Clamped splats do not cross into another map.
+// Depth only; clamped splats do not reach into another map.
 layout(constant_id = 1) const uint MAP_SIZE = 64;
 layout(constant_id = 3) const bool CLAMP = true;
 

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Splats (Linke 2016, section 4.4.2): the point of a small triangle is drawn as a square into the maps of the first VPLs that can see
-// it, of those that it is considered for.
+// Splats (Linke 2016, section 4.4.2): the point of a small triangle is drawn as a square into the maps of the first VPLs that can see it,
+// among those that it is tested against.
 #include "lib/basis.glsl"
 #include "lib/paraboloid.glsl"
 #include "lib/vpl.glsl"
@@ -15,8 +15,8 @@ layout(constant_id = 2) const bool DISTORTION = true;
 layout(scalar) uniform SplatBlock {
     ivec2 size;      // of the image of all maps
     uint columns;
-    uint considered; // VPLs a point
-    uint collected;  // of them
+    uint considered; // VPLs a point is tested against
+    uint collected;  // VPLs that a point is drawn for, at most
     float far;       // metres
     float enlarge;
 } splat;
@@ -54,7 +54,7 @@ void main() {
         float d = length(way);
         vec3 w = way * basis_of(octahedral_snorm16_inverse(vpl.normal)) / d;
         float seen_radius = DISTORTION ? radius * sqrt(abs(dot(normal, way)) / d) : radius;
-        // A square of the disk's area.
+        // Side of a square of the disk's area.
         float side = sqrt(PI) * paraboloid_radius(seen_radius, d, w.z, DISTORTION) * (0.5 * float(MAP_SIZE));
         corner = map_corner(index, splat.columns, int(MAP_SIZE));
         vec2 texel = vec2(corner) + clamp((paraboloid(w) * 0.5 + 0.5) * float(MAP_SIZE), vec2(0.01), vec2(float(MAP_SIZE) - 0.01));

@@ -1,6 +1,7 @@
-// A walk through the points of a chunk of triangles: a workgroup counts those of each triangle, and shares all of them out among its
-// invocations. Whoever includes it defines what becomes of point k of the chunk's `total`, unless it is thinned out:
+// Enumerates the points of a chunk of triangles: a workgroup counts the points of each triangle, and shares all points among its
+// invocations. An includer defines
 //     void take(uint k, uint total, Point point, uvec2 hash);
+// for point k of the chunk's `total`, unless it is thinned out.
 #include "lib/scene.glsl"
 #include "visibility/point.glsl"
 
@@ -21,7 +22,7 @@ struct Chunk {
     uint triangles;
     uint vertex_offset;
     uint draw;
-    uint slice; // of `slices` that share the chunk's points out
+    uint slice; // number among the `slices` that share the chunk's points
     uint slices;
 };
 
@@ -30,11 +31,11 @@ layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
 layout(scalar) readonly buffer Positions { vec3 at[]; } positions;
 layout(scalar) readonly buffer Indices { uint at[]; } indices;
 
-shared uint last[64]; // points of this triangle and all before it
+shared uint last[64]; // points up to and with this triangle
 shared uvec3 corners[64];
 shared vec3 corner[3][64];
 
-// The number of the chunk's points, thinned out or not. Brings its triangles to the world.
+// Transforms the chunk's triangles to the world and counts their points.
 uint count_points(Chunk chunk) {
     uint lane = gl_LocalInvocationID.x;
     uint count = 0u;
@@ -52,7 +53,7 @@ uint count_points(Chunk chunk) {
     }
     last[lane] = count;
     barrier();
-    // An inclusive scan.
+    // Inclusive prefix sum.
     for (uint step = 1u; step < 64u; step *= 2u) {
         uint before = lane >= step ? last[lane - step] : 0u;
         barrier();

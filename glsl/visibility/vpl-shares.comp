@@ -1,20 +1,21 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
-// Shares the points out among the VPLs by how much they see, and says where each VPL's points begin. One workgroup.
+// Shares the points among the VPLs in proportion to the solid angle that they see, and writes the start of each VPL's points. One
+// workgroup.
 layout(local_size_x = 256) in;
 
 layout(scalar, push_constant) uniform Params {
     uint count;  // VPLs
-    uint points; // of all
+    uint points; // points of all VPLs
 } params;
 
 layout(scalar) readonly buffer Views { float at[]; } views;
-layout(scalar) writeonly buffer Begins { uint at[]; } begins; // one more, for the end
+layout(scalar) writeonly buffer Begins { uint at[]; } begins; // one more element, for the end
 
 shared float sums[256];
 shared uint counts[256];
 
-// What lies behind something else is seen by the sum, but not by the map: beyond a hemisphere twice over, more says nothing.
+// The sum ignores occlusion, unlike the map: beyond twice a hemisphere, it carries no information.
 float share(float view) { return min(view, 12.566371); }
 
 void main() {
@@ -27,7 +28,7 @@ void main() {
     barrier();
     float total = 0.0;
     for (uint i = 0u; i < 256u; i++) total += sums[i];
-    // A millionth less than all, so that rounding takes none too many.
+    // Reduced by a millionth, so that rounding does not exceed the total.
     float scale = total > 0.0 ? float(params.points) * 0.999999 / total : 0.0;
     uint own = 0u;
     for (uint i = low; i < high; i++) own += uint(share(views.at[i]) * scale);

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The solid angle of the scene that each VPL sees, as if nothing hid anything: a workgroup a VPL.
+// Solid angle of the scene that each VPL sees, without occlusion: a workgroup a VPL.
 #include "lib/packing.glsl"
 #include "lib/vpl.glsl"
 #include "visibility/point-cluster.glsl"

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Running sums of the cells' importance along each row, and of the rows' from layer to layer: samples are where a number falls among
-// them. A cell counts as much as the most important of those around it, lest the few of its texels that a sample of it misses shine too bright.
+// Running sums of the cells' importance along each row, and of the rows over all layers, for sampling by inversion. A cell gets the largest
+// importance of its neighbourhood, lest texels that its few samples missed give VPLs that are too bright.
 #include "vpls/distribution.glsl"
 
 layout(local_size_x = 256) in;
@@ -10,8 +10,8 @@ layout(local_size_x = 256) in;
 layout(scalar, push_constant) uniform Params { uint layers; } params;
 
 layout(scalar) readonly buffer Importances { float at[]; } importances;
-layout(scalar) writeonly buffer Columns { float at[]; } columns; // of all cells: up to and with each, in its row
-layout(scalar) writeonly buffer Rows { float at[]; } rows;       // of all layers' rows: up to and with each
+layout(scalar) writeonly buffer Columns { float at[]; } columns; // of all cells: inclusive, along their row
+layout(scalar) writeonly buffer Rows { float at[]; } rows;       // of all layers' rows: inclusive
 
 shared float sums[256];
 

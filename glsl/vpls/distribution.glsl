@@ -1,2 +1,2 @@
-// Cells of the reflective shadow maps, so many along each side of a layer, that samples are drawn from by their importance.
+// Cells of importance along each side of a layer of the reflective shadow map.
 const uint CELLS = 64u;

@@ -1,13 +1,13 @@
-// How closed the scene is around a texel of a reflective shadow map. Whoever includes it has the map's depths:
+// Enclosure of a texel of a reflective shadow map by the scene. An includer has the map's depths:
 //     uniform sampler2DArray rsm_depth;
 #include "lib/hammersley.glsl"
 #include "lib/light.glsl"
 
-layout(constant_id = 0) const bool MORE_BESIDE = false; // of the scene, beside the sun's map
+layout(constant_id = 0) const bool MORE_BESIDE = false; // whether the scene extends beyond a directional light's map
 const uint ENCLOSURE_STEPS = 10u; // of a ray
 
-// Whether a ray meets what the map, a height field as thick as can be, shows. Beyond a lamp's cone, and a part of
-// the scene that the sun's map is narrowed to, there is more of it; beyond all of it, and above, the sky.
+// Whether a ray hits the map's surface, taken as an infinitely thick height field. Beyond a lamp's cone, and beyond a part of the scene
+// that a directional light's map is restricted to, it counts as a hit; beyond the whole scene, and above the map, as a miss (sky).
 bool meets(Light light, uint layer, ivec2 size, vec3 from, vec3 way, float texel_width) {
     float t = 2.0 * texel_width;
     float growth = pow(max(0.5 * float(max(size.x, size.y)), 1.0), 1.0 / float(ENCLOSURE_STEPS - 1u));
@@ -24,11 +24,11 @@ bool meets(Light light, uint layer, ivec2 size, vec3 from, vec3 way, float texel
     return false;
 }
 
-// The share of what a surface reflects that meets the scene again: `rays` of a set of `all`, by the cosine.
+// Share of a surface's reflected light that hits the scene again: `rays` of a cosine-weighted set of `all`.
 float enclosure(Light light, uint layer, ivec2 size, vec3 position, vec3 normal, float texel_width, uint first, uint rays, uint all) {
     uint met = 0u;
     for (uint j = first; j < first + rays; j++) {
-        // Points of a sphere that touches the surface.
+        // Points of a sphere tangent to the surface, which are cosine-weighted.
         vec2 u = hammersley(j, all);
         float z = 1.0 - 2.0 * u.x, r = sqrt(max(1.0 - z * z, 0.0)), angle = 6.28318530718 * u.y;
         vec3 way = normalize(normal * 1.001 + vec3(r * cos(angle), r * sin(angle), z));

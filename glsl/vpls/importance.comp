@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// How much light the surfaces of a map's cell pass on: what they reflect, times the share of their hemisphere in which the map, taken for
-// a height field, shows something. A roof under the sky passes nothing on, a court between walls most of what it gets.
+// Importance of a map's cell: the reflected flux times the share of the hemisphere in which the map, taken as a height field, has surfaces.
+// A roof below the sky has little, a courtyard between walls most of its flux.
 #include "lib/color.glsl"
 #include "lib/light.glsl"
 #include "lib/packing.glsl"
@@ -20,9 +20,9 @@ uniform sampler2DArray rsm_albedo;
 layout(scalar) writeonly buffer Importances { float at[]; } importances; // of cells, row by row, layer by layer
 #include "vpls/enclosure.glsl"
 
-const uint TEXELS = 4u; // of a cell that are looked at, two by two
-const uint RAYS = 4u;   // from each
-// What is not seen to pass light on may do so all the same: nothing that is lit has no chance of VPLs.
+const uint TEXELS = 4u; // samples of a cell, two by two
+const uint RAYS = 4u;   // rays from each sample
+// A floor: a surface without apparent receivers may have some, so every lit surface keeps a chance of VPLs.
 const float LEAST = 0.03;
 
 void main() {
@@ -35,7 +35,7 @@ void main() {
         float depth = texelFetch(rsm_depth, texel, 0).r;
         vec2 ndc = (vec2(texel.xy) + 0.5) / vec2(params.size) * 2.0 - 1.0;
         if (depth == 0.0) {
-            // What is too small to be met here may be there.
+            // Surfaces too small for the samples may be in the cell.
             passed += 1e-5 * luminance(texel_flux(light, ndc));
             continue;
         }

@@ -1,18 +1,18 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Hammersley samples of the reflective shadow maps, drawn by their cells' importance: the inverse of the distribution, rows first.
+// Hammersley samples of the reflective shadow maps, warped by the cells' importance: inversion of the distribution, rows first.
 #include "vpls/distribution.glsl"
 #include "vpls/texel.glsl"
 #include "vpls/enclosure.glsl"
 
 layout(scalar) readonly buffer Columns { float at[]; } columns;
 layout(scalar) readonly buffer Rows { float at[]; } rows;
-layout(scalar) writeonly buffer Kept { float at[]; } kept; // share of each VPL's light that is thought to stay in the scene
+layout(scalar) writeonly buffer Kept { float at[]; } kept; // estimated share of each VPL's light that stays in the scene
 
 const uint RAYS = 128u;
 
-// The share of a texel's light that stays in the scene.
+// Share of a texel's light that stays in the scene.
 float stays(ivec3 at) {
     float depth = texelFetch(rsm_depth, at, 0).r;
     if (depth == 0.0) return 0.0;
@@ -58,6 +58,6 @@ void main() {
     ivec3 place = ivec3(texel, row / CELLS);
     bool any = weight > 0.0 && chance > 0.0;
     put(index, place, any ? texels * (total / weight) * (in_row / chance) / float(params.count) : 0.0);
-    // Never 0, which would leave its cluster without flux, whatever the map shows.
+    // Never 0, which would leave the VPL's cluster without flux, whatever its map sees.
     kept.at[index] = max(stays(place), 0.001);
 }

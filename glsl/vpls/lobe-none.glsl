@@ -1,3 +1,4 @@
-// VPLs that are diffuse alone. Each part for "lobe" stores the glossy VPL beside a diffuse one, and says whether there is one. A texel without a surface
-// has the layer -1.
+// VPLs without lobes. Each part for "lobe" defines
+//     bool put_lobe(uint index, ivec3 at, float texels, vec3 position);
+// which stores the glossy VPL beside a diffuse one, and returns whether it has light; layer -1 is a texel without a surface.
 bool put_lobe(uint index, ivec3 at, float texels, vec3 position) { return false; }

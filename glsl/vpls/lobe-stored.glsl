@@ -1,4 +1,4 @@
-// VPLs that are glossy too.
+// VPLs with lobes.
 #include "lib/lobe.glsl"
 
 uniform sampler2DArray rsm_specular;

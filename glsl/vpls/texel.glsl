@@ -1,4 +1,4 @@
-// Samplers of the reflective shadow maps: the map that a sample is of, and the VPL that a texel makes.
+// Shared by the samplers of reflective shadow maps: the map of a sample, and the VPL of a texel.
 #include "lib/brdf.glsl"
 #include "lib/light.glsl"
 #include "lib/packing.glsl"
@@ -25,7 +25,7 @@ layout(scalar) buffer Lit { uint count; } lit;
 
 #include "part/lobe=vpls/lobe-none"
 
-// The map of sample number `sample_index`, and which of the map's samples it is; the first maps get what the division leaves over.
+// Map of a sample, and its number among the map's samples; the first maps get the remainder of the division.
 void map_of(uint sample_index, out uint layer, out uint k, out uint count) {
     uint share = params.count / params.lights, rest = params.count % params.lights;
     uint larger = (share + 1u) * rest;
@@ -34,10 +34,10 @@ void map_of(uint sample_index, out uint layer, out uint k, out uint count) {
     k = sample_index - (layer * share + min(layer, rest));
 }
 
-// The same of VPL number `index`: the order is a fixed permutation's.
+// Map and number for VPL `index`, whose sample is given by a fixed permutation.
 void share_of(uint index, out uint layer, out uint k, out uint count) { map_of(permutation(index, params.count), layer, k, count); }
 
-// Stores VPL number `index` at a texel, which stands for so many.
+// Stores VPL `index` at a texel; it represents `texels` texels.
 void put(uint index, ivec3 at, float texels) {
     VplPlace place = VplPlace(vec3(0.0), 0u);
     vec3 intensity = vec3(0.0);

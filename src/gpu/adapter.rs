@@ -1,4 +1,4 @@
-//! The devices of this machine: what each is, and what it can.
+//! The devices of this machine, their features and limits.
 
 use crate::fail;
 use anyhow::Result;
@@ -6,22 +6,22 @@ use ash::vk;
 use std::ffi::CStr;
 use std::fmt;
 
-/// Which device to run on.
+/// Choice of a device.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum DeviceChoice {
-    /// The fastest kind there is: discrete, integrated, virtual, then a processor.
+    /// The fastest kind available: discrete, integrated, virtual, then a processor.
     #[default]
     Best,
     /// A software driver.
     Cpu,
-    /// By its place in `manylight list`.
+    /// A device by its index in `manylight list`.
     Index(usize),
-    /// The first whose name holds this, letter case aside.
+    /// The first device whose name contains this, letter case aside.
     Name(String),
 }
 
 impl DeviceChoice {
-    /// `cpu`, a number, or part of a name.
+    /// Parses `cpu`, an index, or a part of a name.
     pub fn parse(text: &str) -> Self {
         match text.parse() {
             _ if text.eq_ignore_ascii_case("cpu") => Self::Cpu,
@@ -31,7 +31,7 @@ impl DeviceChoice {
     }
 }
 
-/// What a method may need beyond Vulkan 1.3's core.
+/// Features beyond Vulkan 1.3's core that a method may need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Feature {
     Vulkan13,
@@ -44,7 +44,7 @@ pub enum Feature {
     FilteredRg32Float,
     /// R16G16_SNORM as a colour attachment, and read without a sampler.
     Snorm16Images,
-    /// Handing values round in a subgroup of at least 4, in compute shaders.
+    /// Ballots and broadcasts in subgroups of at least 4 lanes, in compute shaders.
     SubgroupBallot,
     TessellationShader,
     GeometryShader,
@@ -53,13 +53,13 @@ pub enum Feature {
     LargePoints,
     /// Storage writes and atomics in vertex, tessellation and geometry shaders.
     VertexPipelineStores,
-    /// And in fragment shaders.
+    /// Storage writes and atomics in fragment shaders.
     FragmentStores,
-    /// Sums in a colour attachment of R32G32B32A32_SFLOAT.
+    /// Blending in a colour attachment of R32G32B32A32_SFLOAT.
     BlendedRgba32Float,
-    /// VK_EXT_conservative_rasterization that overestimates, and rasterizes triangles that are too small to have an area.
+    /// Overestimating VK_EXT_conservative_rasterization that also rasterizes degenerate triangles.
     ConservativeRasterization,
-    /// Timestamps on the queue that runs graphics and compute.
+    /// Timestamps on the queue for graphics and compute.
     Timestamps,
 }
 
@@ -84,7 +84,7 @@ impl Feature {
         Self::ConservativeRasterization,
         Self::Timestamps,
     ];
-    /// Without these no slot works.
+    /// Features without which no slot works.
     pub const ESSENTIAL: [Self; 3] = [Self::Vulkan13, Self::PushDescriptors, Self::ScalarBlockLayout];
 }
 
@@ -119,9 +119,9 @@ pub struct Adapter {
     pub(super) handle: vk::PhysicalDevice,
     pub(super) queue_family: Option<u32>,
     pub name: String,
-    /// The driver and its version, as they call themselves.
+    /// Name and version of the driver, as reported by itself.
     pub driver: String,
-    /// A software driver.
+    /// Whether the driver is a software driver.
     pub is_cpu: bool,
     rank: u32,
     /// Vulkan version of the device: major, minor, patch.
@@ -130,7 +130,7 @@ pub struct Adapter {
     pub limits: Limits,
 }
 
-/// Limits that scenes and configs are held against.
+/// Limits that scenes and configs are checked against.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Limits {
     pub image_size: u32,
@@ -140,10 +140,10 @@ pub struct Limits {
     pub draw_indirect_count: u32,
     pub framebuffer_size: [u32; 2],
     pub framebuffer_layers: u32,
-    /// Of the largest device-local heap.
+    /// Size of the largest device-local heap.
     pub heap_bytes: u64,
     pub push_constant_bytes: u32,
-    /// Nanoseconds of a timestamp's unit.
+    /// Nanoseconds a timestamp tick.
     pub timestamp_period: f32,
 }
 
@@ -152,12 +152,12 @@ impl Adapter {
         self.features.contains(&feature)
     }
 
-    /// Those of `needed` that it lacks.
+    /// Features of `needed` that the device lacks.
     pub fn missing(&self, needed: &[Feature]) -> Vec<Feature> {
         needed.iter().copied().filter(|feature| !self.has(*feature)).collect()
     }
 
-    /// "cpu" or "gpu": the label of its figures.
+    /// Label of the device's figures: "cpu" or "gpu".
     pub fn kind(&self) -> &'static str {
         if self.is_cpu { "cpu" } else { "gpu" }
     }
@@ -277,7 +277,7 @@ fn text(chars: &[std::ffi::c_char]) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Picks a device that can run the engine at all; the error names what there is and what is missing.
+/// Chooses a device that can run the engine; the error names available devices and missing features.
 pub(super) fn choose(adapters: &[Adapter], choice: &DeviceChoice) -> Result<Adapter> {
     let mut order: Vec<&Adapter> = adapters.iter().collect();
     order.sort_by_key(|adapter| adapter.rank);

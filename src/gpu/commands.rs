@@ -1,4 +1,4 @@
-//! Recording. Barriers are the caller's business ([`crate::graph`] derives them); what is recorded here is plain.
+//! Recording of commands. It adds no barriers: the caller derives them ([`crate::graph`]).
 
 use super::device::{Gpu, QUERY_COUNT};
 use super::fault::Fault;
@@ -7,26 +7,26 @@ use super::pipeline::PipelineId;
 use super::types::{Barrier, Bound, accesses, stages};
 use ash::vk;
 
-/// What an attachment holds when rendering begins.
+/// Contents of an attachment when rendering begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Load {
     Clear([f32; 4]),
     Keep,
 }
 
-/// An image that is rendered to: all of its layers.
+/// An image that is rendered to, with all of its layers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Attachment {
     pub image: ImageId,
     pub load: Load,
 }
 
-/// A command buffer being recorded.
+/// A command buffer in recording.
 pub struct Commands<'g> {
     gpu: &'g Gpu,
     buffer: vk::CommandBuffer,
     stamps: u32,
-    /// Timestamps that there is room for.
+    /// Capacity for timestamps.
     room: u32,
     lost_at: Option<String>,
 }
@@ -50,7 +50,7 @@ impl<'g> Commands<'g> {
         unsafe { self.gpu.device.cmd_pipeline_barrier2(self.buffer, &info) };
     }
 
-    /// Orders everything before against the host's reads after the submission.
+    /// Makes all earlier writes visible to the host's reads after the submission.
     pub fn barrier_to_host(&mut self) {
         let memory = [vk::MemoryBarrier2::default()
             .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
@@ -79,7 +79,7 @@ impl<'g> Commands<'g> {
         unsafe { self.gpu.device.cmd_pipeline_barrier2(self.buffer, &info) };
     }
 
-    /// Begins a named stretch in captures; an injected device loss is looked up by this name.
+    /// Begins a named range in captures. An injected device loss is found by this name.
     pub fn begin_label(&mut self, name: &str) {
         if self.gpu.fault == Some(Fault::DeviceLost { pass: name.into() }) {
             self.lost_at = Some(name.into());
@@ -96,15 +96,15 @@ impl<'g> Commands<'g> {
         }
     }
 
-    /// Makes room for so many timestamps, before the first is taken. Only those that are taken: the software driver and the
-    /// validation layer look at each, and all of the pool's cost more than a small frame.
+    /// Reserves `count` timestamps, before the first is taken. Only the needed ones are reset: the software driver and the validation layer
+    /// visit each, and resetting the whole pool would cost more than a small frame.
     pub fn expect_stamps(&mut self, count: u32) {
         assert!(count <= QUERY_COUNT, "a submission takes more than {QUERY_COUNT} timestamps");
         unsafe { self.gpu.device.cmd_reset_query_pool(self.buffer, self.gpu.queries, 0, count) };
         self.room = count;
     }
 
-    /// Takes the next timestamp, once everything recorded so far is done.
+    /// Takes the next timestamp, after all commands recorded so far have completed.
     pub fn stamp(&mut self) {
         assert!(self.stamps < self.room, "a submission takes more timestamps than the {} that it said", self.room);
         unsafe {
@@ -118,7 +118,7 @@ impl<'g> Commands<'g> {
         unsafe { self.gpu.device.cmd_bind_pipeline(self.buffer, slot.bind_point, slot.handle) };
     }
 
-    /// Binds to the pipeline's bindings by number.
+    /// Binds resources to the pipeline's bindings by number.
     pub fn push_descriptors(&mut self, pipeline: PipelineId, bound: &[(u32, Bound)]) {
         if bound.is_empty() {
             return;
@@ -183,7 +183,7 @@ impl<'g> Commands<'g> {
         unsafe { self.gpu.device.cmd_dispatch(self.buffer, groups[0], groups[1], groups[2]) };
     }
 
-    /// Begins rendering to all layers of the attachments, with a viewport and a scissor of `size`.
+    /// Begins rendering to all layers of the attachments, with viewport and scissor of `size`.
     pub fn begin_rendering(&mut self, size: [u32; 2], color: &[Attachment], depth: Option<Attachment>) {
         let info = |attachment: &Attachment| {
             let slot = self.gpu.memory.image(attachment.image);
@@ -229,7 +229,7 @@ impl<'g> Commands<'g> {
         }
     }
 
-    /// Draws `count` times by the `VkDrawIndexedIndirectCommand`s from number `first` on.
+    /// Draws by `count` `VkDrawIndexedIndirectCommand`s from number `first` on.
     pub fn draw_indexed_indirect(&mut self, arguments: BufferId, first: u32, count: u32) {
         const STRIDE: u32 = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
         let limit = self.gpu.adapter.limits.draw_indirect_count.max(1);
@@ -250,7 +250,7 @@ impl<'g> Commands<'g> {
         unsafe { self.gpu.device.cmd_copy_buffer(self.buffer, memory.buffer(from).handle, memory.buffer(to).handle, &regions) };
     }
 
-    /// Copies as much as the target holds.
+    /// Copies as much as both buffers hold.
     pub fn copy_whole_buffer(&mut self, from: BufferId, to: BufferId) {
         self.copy_buffer(from, 0, to, 0, self.gpu.memory.buffer(to).bytes.min(self.gpu.memory.buffer(from).bytes));
     }
@@ -262,7 +262,7 @@ impl<'g> Commands<'g> {
         unsafe { self.gpu.device.cmd_copy_buffer_to_image(self.buffer, from, slot.handle, vk::ImageLayout::GENERAL, &regions) };
     }
 
-    /// Fills so many rows of a layer from row `first` on.
+    /// Copies `rows` rows into a layer, from row `first` on.
     pub(super) fn copy_buffer_to_image_rows(&mut self, from: BufferId, to: ImageId, layer: u32, first: u32, rows: u32) {
         let slot = self.gpu.memory.image(to);
         let region = image_region(slot.desc.format.aspect(), layer, 1, slot.desc.width, rows);
@@ -289,7 +289,7 @@ impl<'g> Commands<'g> {
         unsafe { self.gpu.device.cmd_fill_buffer(self.buffer, self.gpu.memory.buffer(buffer).handle, 0, vk::WHOLE_SIZE, 0) };
     }
 
-    /// Filters the mip above down into `mip`, for all layers.
+    /// Downsamples the mip before `mip` into it, bilinearly, for all layers.
     pub(super) fn halve_into_mip(&mut self, image: ImageId, mip: u32) {
         let slot = self.gpu.memory.image(image);
         let corner =

@@ -1,4 +1,4 @@
-//! A device in use.
+//! An open device.
 
 use super::adapter::{self, Adapter, DeviceChoice, Feature};
 use super::commands::Commands;
@@ -17,15 +17,15 @@ use std::time::Instant;
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
-/// How to open a device.
+/// Options for opening a device.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
     pub device: DeviceChoice,
-    /// Turns on the Khronos validation layer with synchronization validation; see [`Gpu::validation_messages`].
+    /// Enables the Khronos validation layer with synchronization validation; see [`Gpu::validation_messages`].
     pub validate: bool,
 }
 
-/// A device, its one queue and everything made on it. Dropping it destroys all of that.
+/// A device, its one queue and all objects created on it. Dropping it destroys them.
 pub struct Gpu {
     pub adapter: Adapter,
     pub(super) device: ash::Device,
@@ -44,7 +44,7 @@ pub struct Gpu {
     instance: Instance,
 }
 
-/// Timestamps that one submission can take.
+/// Timestamps that one submission can take, at most.
 pub(super) const QUERY_COUNT: u32 = 4096;
 
 struct Instance {
@@ -52,7 +52,7 @@ struct Instance {
     handle: ash::Instance,
     has_debug_utils: bool,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
-    /// What the messenger's callback writes to: it must live as long.
+    /// Target of the messenger's callback; it must live as long as the messenger.
     _messages: Arc<Mutex<Vec<String>>>,
 }
 
@@ -86,12 +86,12 @@ impl Instance {
         let application = vk::ApplicationInfo::default().application_name(c"manylight").api_version(vk::API_VERSION_1_3);
         let layer_names: Vec<_> = validate.then_some(VALIDATION_LAYER.as_ptr()).into_iter().collect();
         let extension_names: Vec<_> = has_debug_utils.then_some(ext::debug_utils::NAME.as_ptr()).into_iter().collect();
-        // Only armed here: the environment variables of newer layers are ignored by the older ones.
+        // Enabled here and not by environment variables: those of newer layers are ignored by older ones.
         let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
         let mut validation = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
         let mut messenger_info = vk::DebugUtilsMessengerCreateInfoEXT::default()
             .message_severity(vk::DebugUtilsMessageSeverityFlagsEXT::ERROR | vk::DebugUtilsMessageSeverityFlagsEXT::WARNING)
-            // Not performance: it wants transfer layouts, and images here stay in GENERAL.
+            // No performance messages: they ask for transfer layouts, and images here stay in GENERAL.
             .message_type(vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION)
             .pfn_user_callback(Some(on_message))
             .user_data(Arc::as_ptr(messages).cast_mut().cast());
@@ -133,7 +133,7 @@ impl Drop for Instance {
     }
 }
 
-/// Our error for one of Vulkan's.
+/// Converts a Vulkan error.
 pub(super) fn failure(error: vk::Result, what: &str) -> anyhow::Error {
     match error {
         vk::Result::ERROR_DEVICE_LOST => fail!(DeviceLost, "{what}: the device was lost"),
@@ -144,12 +144,15 @@ pub(super) fn failure(error: vk::Result, what: &str) -> anyhow::Error {
 }
 
 impl Gpu {
-    /// Every device that the loader lists, in its order.
+    /// All devices that the loader lists, in its order.
     pub fn adapters() -> Result<Vec<Adapter>> {
         Instance::new(false, &Arc::default())?.adapters()
     }
 
-    /// Opens the device that `options` choose. Errors say what there is, what is missing and which package brings it.
+    /// Opens the device that `options` choose.
+    ///
+    /// # Errors
+    /// They name available devices, missing features, and the package that helps.
     pub fn new(options: &Options) -> Result<Self> {
         let _span = trace::span("opening the device");
         let fault = Fault::from_environment()?;
@@ -222,7 +225,7 @@ impl Gpu {
         })
     }
 
-    /// What the validation layer has said so far; empty without `validate`, and in a program without bugs.
+    /// Messages of the validation layer so far; empty without `validate`, and in a program without bugs.
     pub fn validation_messages(&self) -> Vec<String> {
         self.messages.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -232,7 +235,7 @@ impl Gpu {
         self.fault = fault;
     }
 
-    /// Records commands, submits them and waits until the device has done them all.
+    /// Records commands, submits them and waits until the device has completed them.
     pub fn submit(&mut self, what: &str, record: impl FnOnce(&mut Commands<'_>)) -> Result<()> {
         let error = |error| failure(error, what);
         let recording = trace::span(format_args!("recording {what}"));
@@ -264,12 +267,12 @@ impl Gpu {
         result.map_err(|error| failure(error, lost_at.as_deref().unwrap_or(what)))
     }
 
-    /// When the last submission was handed to the driver.
+    /// Host time of the last submission.
     pub fn submitted(&self) -> Instant {
         self.submitted
     }
 
-    /// The first `count` timestamps of the last submission, in milliseconds from the first.
+    /// First `count` timestamps of the last submission, milliseconds after the first.
     pub fn timestamps(&self, count: u32) -> Result<Vec<f64>> {
         let mut ticks = vec![0u64; count as usize];
         unsafe {
@@ -281,7 +284,7 @@ impl Gpu {
         Ok(ticks.iter().map(|tick| tick.wrapping_sub(first) as f64 * period).collect())
     }
 
-    /// Makes the sampler if there is none like it yet, so that [`Self::sampler_handle`] finds it.
+    /// Creates the sampler unless it exists, for [`Self::sampler_handle`].
     pub fn prepare_sampler(&mut self, sampler: Sampler) -> Result<()> {
         if self.samplers.contains_key(&sampler) {
             return Ok(());
@@ -317,7 +320,7 @@ impl Gpu {
 impl Drop for Gpu {
     fn drop(&mut self) {
         unsafe {
-            // A lost device has nothing left to wait for.
+            // Ignored: on a lost device there is nothing to wait for.
             let _ = self.device.device_wait_idle();
             for sampler in self.samplers.values() {
                 self.device.destroy_sampler(*sampler, None);

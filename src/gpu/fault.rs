@@ -1,21 +1,21 @@
-//! Injected errors. The environment variable `MANYLIGHT_FAULT` holds `device-lost:PASS` or `out-of-memory:NAME`, where NAME is
-//! a pass's or a resource's name; the error is then returned where the driver would return it.
+//! Injected errors. The environment variable `MANYLIGHT_FAULT` holds `device-lost:PASS` or `out-of-memory:NAME`, with the name of a pass or
+//! of an image or buffer. The error is returned where the driver would return it.
 
 use anyhow::{Result, bail};
 
-/// The variable's name.
+/// Name of the environment variable.
 pub const VARIABLE: &str = "MANYLIGHT_FAULT";
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Fault {
-    /// Submitting work that holds this pass loses the device.
+    /// Submitting work with this pass loses the device.
     DeviceLost { pass: String },
-    /// Making this image or buffer runs out of device memory.
+    /// Creating this image or buffer runs out of device memory.
     OutOfMemory { resource: String },
 }
 
 impl Fault {
-    /// Reads the environment.
+    /// Parses the environment variable.
     pub fn from_environment() -> Result<Option<Self>> {
         let Ok(text) = std::env::var(VARIABLE) else { return Ok(None) };
         match text.split_once(':') {

@@ -8,19 +8,19 @@ use half::f16;
 pub enum Format {
     Rg8Unorm,
     Rgba8Unorm,
-    /// sRGB curve on RGB: sampled as linear.
+    /// sRGB-encoded RGB, linear when sampled.
     Rgba8Srgb,
     Rg16Snorm,
     Rgba16Float,
     /// Unsigned floats of 11, 11 and 10 bits: radiance without alpha.
     R11G11B10Float,
     R32Uint,
-    /// Two words: data that is no picture.
+    /// Two words of data other than colour.
     Rg32Uint,
     R32Float,
     Rg32Float,
     Rgba32Float,
-    /// Four words: data that is no picture.
+    /// Four words of data other than colour.
     Rgba32Uint,
     Depth32,
 }
@@ -47,7 +47,7 @@ impl Format {
         }
     }
 
-    /// Can hold what is not a finite number.
+    /// Whether texels can be infinite or NaN.
     pub fn is_float(self) -> bool {
         matches!(self, Self::Rgba16Float | Self::R11G11B10Float | Self::R32Float | Self::Rg32Float | Self::Rgba32Float | Self::Depth32)
     }
@@ -56,7 +56,7 @@ impl Format {
         self == Self::Depth32
     }
 
-    /// The numbers of one texel as a shader reads them; channels that the format lacks are 0. Words are given as numbers.
+    /// Values of one texel as a shader reads them; channels that the format lacks are 0. Integers are converted to floats.
     pub fn decode(self, texel: &[u8]) -> [f32; 4] {
         let word = |i: usize| u32::from_le_bytes([texel[4 * i], texel[4 * i + 1], texel[4 * i + 2], texel[4 * i + 3]]);
         let short = |i: usize| u16::from_le_bytes([texel[2 * i], texel[2 * i + 1]]);
@@ -69,7 +69,7 @@ impl Format {
             Self::Rgba16Float => [0, 1, 2, 3].map(|i| f16::from_bits(short(i)).to_f32()),
             Self::R11G11B10Float => {
                 let bits = word(0);
-                // An unsigned small float is a half without sign whose mantissa lost its last bits.
+                // An unsigned small float is a half without sign and without the mantissa's last bits.
                 let small = |value: u32, mantissa: u32| f16::from_bits((value << (10 - mantissa)) as u16).to_f32();
                 [small(bits & 0x7ff, 6), small(bits >> 11 & 0x7ff, 6), small(bits >> 22, 5), 0.0]
             }

@@ -1,4 +1,4 @@
-//! Buffers and images: made, filled and read back by id.
+//! Buffers and images: created, filled and read back by id.
 
 use super::device::{Gpu, failure};
 use super::fault::Fault;
@@ -19,7 +19,7 @@ pub struct BufferId(Id);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ImageId(Id);
 
-/// An image's shape. `attachment` and `storage` say what it is made for; every image can be sampled and copied.
+/// Properties of an image. `attachment` and `storage` enable these uses; every image can be sampled and copied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ImageDesc {
     pub format: Format,
@@ -40,8 +40,8 @@ pub(super) struct BufferSlot {
 pub(super) struct ImageSlot {
     pub handle: vk::Image,
     pub desc: ImageDesc,
-    /// All layers and mips as an array; the first layer, all mips, flat; all layers of mip 0, for storage and attachments;
-    /// the first layer of mip 0.
+    /// Views: all layers and mips as an array; the first layer with all mips; all layers of mip 0, for storage and attachments; the first
+    /// layer of mip 0.
     pub array: vk::ImageView,
     pub flat: vk::ImageView,
     pub array_mip0: vk::ImageView,
@@ -53,11 +53,11 @@ pub(super) struct Memory {
     allocator: ManuallyDrop<Allocator>,
     buffers: Slots<BufferSlot>,
     images: Slots<ImageSlot>,
-    /// What both take.
+    /// Memory of both, bytes.
     bytes: u64,
 }
 
-/// Where a buffer lies.
+/// Memory location of a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Location {
     Device,
@@ -154,12 +154,12 @@ impl Gpu {
         Ok(())
     }
 
-    /// Makes a buffer on the device; its contents are undefined.
+    /// Creates a device buffer with undefined contents.
     pub fn create_buffer(&mut self, name: &str, bytes: u64) -> Result<BufferId> {
         self.create_buffer_at(name, bytes, Location::Device)
     }
 
-    /// Makes a buffer that the host writes, holding `contents`.
+    /// Creates a buffer that the host writes, with `contents`.
     pub fn create_upload_buffer(&mut self, name: &str, contents: &[u8]) -> Result<BufferId> {
         let id = self.create_buffer_at(name, contents.len().max(4) as u64, Location::Upload)?;
         self.write_upload_buffer(id, contents);
@@ -173,12 +173,12 @@ impl Gpu {
         mapped[..contents.len()].copy_from_slice(contents);
     }
 
-    /// Makes a buffer that the host reads.
+    /// Creates a buffer that the host reads.
     pub fn create_read_back_buffer(&mut self, name: &str, bytes: u64) -> Result<BufferId> {
         self.create_buffer_at(name, bytes, Location::ReadBack)
     }
 
-    /// The contents of a read-back buffer.
+    /// Contents of a read-back buffer.
     pub fn read_buffer(&self, id: BufferId) -> &[u8] {
         let slot = self.memory.buffer(id);
         let mapped = slot.allocation.mapped_slice().unwrap_or_else(|| unreachable!("read-back buffers are mapped"));
@@ -224,7 +224,7 @@ impl Gpu {
         Ok(self.memory.add_buffer(BufferSlot { handle, bytes, allocation }))
     }
 
-    /// Makes images and brings them into the layout GENERAL; their contents are undefined. One submission for all of them.
+    /// Creates images with undefined contents in the layout GENERAL, with one submission for all of them.
     pub fn create_images(&mut self, descs: &[(&str, ImageDesc)]) -> Result<Vec<ImageId>> {
         let ids = descs.iter().map(|(name, desc)| self.create_image_undefined(name, desc)).collect::<Result<Vec<_>>>()?;
         if !ids.is_empty() {
@@ -302,13 +302,13 @@ impl Gpu {
         Ok(self.memory.add_image(slot))
     }
 
-    /// Destroys a buffer and gives its memory back; nothing on the device uses it, and nobody its id again.
+    /// Destroys a buffer and frees its memory. The device must not be using it, and its id must not be used again.
     pub fn free_buffer(&mut self, id: BufferId) {
         let slot = self.memory.buffers.remove(id.0);
         self.memory.free_buffer(&self.device, slot);
     }
 
-    /// As [`Self::free_buffer`].
+    /// Destroys an image as [`Self::free_buffer`] does a buffer.
     pub fn free_image(&mut self, id: ImageId) {
         let slot = self.memory.images.remove(id.0);
         self.memory.free_image(&self.device, slot);
@@ -317,7 +317,7 @@ impl Gpu {
     fn name_object<T: vk::Handle>(&self, handle: T, name: &str) {
         let (Some(debug), Ok(name)) = (&self.debug, std::ffi::CString::new(name)) else { return };
         let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
-        // A name that does not stick costs nothing but itself.
+        // Ignored: names are for captures alone.
         let _ = unsafe { debug.set_debug_utils_object_name(&info) };
     }
 }

@@ -1,12 +1,12 @@
-//! Vulkan, and all that is unsafe about it. What leaves this module is plain: ids, formats, sizes, bytes.
+//! Vulkan, and all unsafe code. The interface of this module is plain values: ids, formats, sizes, bytes.
 //!
-//! - [`adapter`]: which devices there are, and what each can and lacks
-//! - [`Gpu`]: a device in use: memory, pipelines, submission; it owns every object, and ids name them
+//! - [`adapter`]: devices, their features and limits
+//! - [`Gpu`]: an open device with memory, pipelines and submission; it owns every object, and ids name them
 //! - [`Commands`]: recording; a pass is bind, push, dispatch or draw, with barriers and labels around it
-//! - [`Shader`]: a compiled shader and what reflection says of it
-//! - [`fault`]: errors injected for tests, since the software driver never refuses anything
+//! - [`Shader`]: a compiled shader and its reflection
+//! - [`fault`]: errors injected for tests, since the software driver never fails
 //!
-//! Images stay in the layout GENERAL from their first moment. Descriptors are push descriptors in set 0.
+//! Images are in the layout GENERAL from creation on. Descriptors are push descriptors in set 0.
 #![allow(unsafe_code)]
 
 pub mod adapter;

@@ -12,17 +12,17 @@ use std::collections::{BTreeMap, HashMap};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct PipelineId(u32);
 
-/// What a raster pipeline draws, and what it renders to. Depth is reversed everywhere: 1 is near, 0 is far, and the greater wins.
+/// State of a raster pipeline. Depth is reversed everywhere: 1 is near, 0 is far, and the greater wins.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct RasterState {
     pub vertex: VertexLayout,
     pub color: Vec<Format>,
     pub depth: Option<Format>,
-    /// Drops triangles that face away.
+    /// Culls triangles that face away.
     pub cull_back: bool,
-    /// Adds to what the colour targets hold.
+    /// Blends additively into the colour targets.
     pub additive: bool,
-    /// Of a triangle every pixel that it touches, and not only those whose middle it covers; a device must have
+    /// Rasterizes every pixel that a triangle touches, and not only those whose centre it covers. The device needs
     /// [`ConservativeRasterization`](super::Feature::ConservativeRasterization).
     pub conservative: bool,
 }
@@ -33,7 +33,7 @@ pub(super) struct PipelineSlot {
     pub bind_point: vk::PipelineBindPoint,
     pub stages: vk::ShaderStageFlags,
     set_layout: vk::DescriptorSetLayout,
-    /// By name: number and binding, access joined over the stages.
+    /// Number and binding by name; access is joined over the stages.
     pub bindings: BTreeMap<String, (u32, Binding)>,
     pub local_size: [u32; 3],
 }
@@ -57,7 +57,7 @@ impl Pipelines {
     }
 }
 
-/// Joins the resources of a pipeline's shaders by name, and numbers them in the order of their names.
+/// Joins the bindings of a pipeline's shaders by name, and numbers them in the order of their names.
 pub fn join_bindings(shaders: &[&Shader]) -> Result<BTreeMap<String, (u32, Binding)>> {
     let mut joined: BTreeMap<String, (u32, Binding)> = BTreeMap::new();
     for shader in shaders {
@@ -83,17 +83,17 @@ struct Prepared {
 }
 
 impl Gpu {
-    /// The bindings of a pipeline by name: number and what it is.
+    /// Bindings of a pipeline by name, with their numbers.
     pub fn bindings(&self, id: PipelineId) -> &BTreeMap<String, (u32, Binding)> {
         &self.pipelines.get(id).bindings
     }
 
-    /// The workgroup size of a compute pipeline.
+    /// Workgroup size of a compute pipeline.
     pub fn local_size(&self, id: PipelineId) -> [u32; 3] {
         self.pipelines.get(id).local_size
     }
 
-    /// Makes a compute pipeline; `constants` are specialization constants by id.
+    /// Creates a compute pipeline; `constants` are specialization constants by id.
     pub fn create_compute_pipeline(&mut self, name: &str, shader: &Shader, constants: &[(u32, u32)]) -> Result<PipelineId> {
         let mut prepared = self.prepare(name, &[shader], vk::PipelineBindPoint::COMPUTE)?;
         prepared.slot.local_size = shader.local_size(constants);
@@ -109,8 +109,8 @@ impl Gpu {
         self.finish(name, prepared, result)
     }
 
-    /// Makes a raster pipeline of a vertex shader and those that follow it, in their order; each has its constants by its own ids.
-    /// Where the triangles are tessellated they come in as patches of three corners. Without targets nothing is rasterized.
+    /// Creates a raster pipeline of a vertex shader and later stages in their order, each with specialization constants by its own ids.
+    /// Tessellated triangles are patches of three corners. Without targets rasterization is off.
     pub fn create_raster_pipeline(
         &mut self,
         name: &str,

@@ -1,4 +1,4 @@
-//! A compiled shader and what reflection says of it: names, kinds, access, and the layout of its blocks.
+//! A compiled shader and its reflection: names, kinds and access of resources, and the layout of blocks.
 
 use anyhow::{Context, Result, bail};
 use spirq::constant::ConstantValue;
@@ -17,7 +17,7 @@ pub enum ShaderStage {
 }
 
 impl ShaderStage {
-    /// With the extensions of their files, in the order in which a pipeline runs them.
+    /// File extensions and stages, in the order of a pipeline.
     pub const ALL: [(&'static str, Self); 6] = [
         ("vert", Self::Vertex),
         ("tesc", Self::TessellationControl),
@@ -28,7 +28,7 @@ impl ShaderStage {
     ];
 }
 
-/// SPIR-V with its interface. Resources go by the names that the GLSL gives them.
+/// SPIR-V with its interface. Resources have their names in GLSL.
 #[derive(Debug, Clone)]
 pub struct Shader {
     /// Path below the shader folder, for messages.
@@ -36,15 +36,15 @@ pub struct Shader {
     pub stage: ShaderStage,
     pub(super) words: Vec<u32>,
     pub bindings: Vec<Binding>,
-    /// The push-constant block's members and size in bytes.
+    /// Push-constant block.
     pub push_constants: Option<Block>,
     /// Specialization constants: name and id.
     pub constants: Vec<(String, u32)>,
-    /// What a stage before it, or a vertex, gives it.
+    /// Inputs from the stage before, or from the vertex.
     pub inputs: Vec<Input>,
     /// Outputs of a fragment shader: name and location.
     pub outputs: Vec<(String, u32)>,
-    /// Of a compute shader: the value, and the specialization constant that sets it.
+    /// Workgroup size of a compute shader: the value, and the specialization constant that sets it.
     local_size: [(u32, Option<u32>); 3],
 }
 
@@ -53,7 +53,7 @@ pub struct Shader {
 pub struct Input {
     pub name: String,
     pub location: u32,
-    /// Its type as GLSL spells it: `vec3`.
+    /// GLSL name of its type, such as `vec3`.
     pub glsl: String,
 }
 
@@ -69,7 +69,7 @@ pub struct Binding {
 pub enum BindingKind {
     UniformBlock(Block),
     StorageBlock(Block),
-    /// Image with sampler.
+    /// Combined image and sampler.
     Sampled {
         array: bool,
     },
@@ -78,7 +78,7 @@ pub enum BindingKind {
     },
 }
 
-/// How the shader's qualifiers let it access a resource.
+/// Access to a resource by the shader's qualifiers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ShaderAccess {
     Read,
@@ -86,11 +86,11 @@ pub enum ShaderAccess {
     ReadWrite,
 }
 
-/// The layout of a block. Where a block is nothing but a struct, or an array of structs, its members are the struct's.
+/// Layout of a block. If a block consists of one struct, or of one array of structs, its members are the struct's.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Block {
     pub members: Vec<BlockMember>,
-    /// Of the array, bytes.
+    /// Stride of the array, bytes.
     pub stride: Option<usize>,
 }
 
@@ -103,7 +103,7 @@ pub struct BlockMember {
 }
 
 impl Shader {
-    /// Reflects SPIR-V; it must have been compiled with its names.
+    /// Reflects SPIR-V that was compiled with names.
     pub fn new(name: &str, stage: ShaderStage, words: Vec<u32>) -> Result<Self> {
         let entry_points = ReflectConfig::new()
             .spv(words.clone())
@@ -123,7 +123,7 @@ impl Shader {
             outputs: Vec::new(),
             local_size: [(1, None); 3],
         };
-        // The reflection's own sense of what is used misses atomics on images.
+        // The crate's own detection of used variables misses atomics on images.
         let used = used_variables(&shader.words);
         for variable in entry.vars {
             match variable {
@@ -158,12 +158,12 @@ impl Shader {
         Ok(shader)
     }
 
-    /// The workgroup's size under these specialization constants (id and value).
+    /// Workgroup size under these specialization constants (id and value).
     pub fn local_size(&self, constants: &[(u32, u32)]) -> [u32; 3] {
         self.local_size.map(|(value, id)| constants.iter().find(|(c, _)| Some(*c) == id).map_or(value, |(_, v)| *v))
     }
 
-    /// The words with each resource's binding number set from its name.
+    /// SPIR-V with each resource's binding number set by its name.
     pub(super) fn words_bound(&self, numbers: &HashMap<&str, u32>) -> Vec<u32> {
         const OP_DECORATE: u32 = 71;
         const DECORATION_BINDING: u32 = 33;
@@ -172,7 +172,7 @@ impl Shader {
         for (at, opcode, _) in instructions(&self.words) {
             if opcode == OP_DECORATE && words[at + 2] == DECORATION_BINDING {
                 let number = names.get(&words[at + 1]).and_then(|name| numbers.get(name.as_str()));
-                // A resource that is declared and never used keeps its number out of the way.
+                // An unused resource gets a number that is out of the way.
                 words[at + 3] = number.copied().unwrap_or(u32::from(u16::MAX));
             }
         }
@@ -180,7 +180,7 @@ impl Shader {
     }
 }
 
-/// Every instruction of a module: where it begins, its opcode, its length in words.
+/// Instructions of a module: offset, opcode, and length in words.
 fn instructions(words: &[u32]) -> impl Iterator<Item = (usize, u32, usize)> {
     let mut at = 5;
     std::iter::from_fn(move || {
@@ -191,7 +191,7 @@ fn instructions(words: &[u32]) -> impl Iterator<Item = (usize, u32, usize)> {
     })
 }
 
-/// The names that the module gives its ids.
+/// Names of the module's ids.
 fn names(words: &[u32]) -> HashMap<u32, String> {
     const OP_NAME: u32 = 5;
     let text = |words: &[u32]| {
@@ -204,12 +204,12 @@ fn names(words: &[u32]) -> HashMap<u32, String> {
         .collect()
 }
 
-/// Names of the variables that some instruction loads from, stores to, points into or passes on.
+/// Names of variables that any instruction loads from, stores to, points into or passes to a function.
 fn used_variables(words: &[u32]) -> HashSet<String> {
     let names = names(words);
     let mut used = HashSet::new();
     for (at, opcode, length) in instructions(words) {
-        // Which words of the instruction are pointers.
+        // Words of the instruction that are pointers.
         let pointers = match opcode {
             // OpStore, OpAtomicStore
             62 | 228 => 1..2,
@@ -242,7 +242,7 @@ fn binding(shader: &str, name: String, kind: &DescriptorType, ty: &Type) -> Resu
     Ok(Binding { name, kind, access })
 }
 
-/// A number's or a vector's type as GLSL spells it, any other as the reflection does.
+/// GLSL name of a scalar or vector type; other types as the crate prints them.
 fn glsl_name(ty: &Type) -> String {
     let (scalar, count) = match ty {
         Type::Scalar(scalar) => (scalar, 1),

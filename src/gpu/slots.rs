@@ -1,18 +1,18 @@
-//! Things by id: places are used again, ids are not.
+//! Slot map: places are reused, ids are not.
 
-/// A thing's place, and which one of the things that have lain there it is.
+/// Id: a place, and the generation of its content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) struct Id {
     place: u32,
     generation: u32,
 }
 
-/// Things that come and go. As many places are kept as there were things at the same time.
+/// Slot map with as many places as there were elements at the same time.
 pub(super) struct Slots<T> {
-    /// Each place's thing, and the generation that the thing there has or the next one will have.
+    /// Generation and element of each place; for an empty place, the generation of the next element.
     places: Vec<(u32, Option<T>)>,
     free: Vec<u32>,
-    /// What ids are of, for the panic about one that is out of date.
+    /// Kind of element, for panics about stale ids.
     what: &'static str,
 }
 
@@ -32,7 +32,7 @@ impl<T> Slots<T> {
     }
 
     /// # Panics
-    /// Where the thing was removed, whatever lies in its place by now.
+    /// If the element was removed, even if its place is used again.
     pub fn get(&self, id: Id) -> &T {
         match &self.places[id.place as usize] {
             (generation, Some(thing)) if *generation == id.generation => thing,
@@ -49,12 +49,12 @@ impl<T> Slots<T> {
     }
 
     /// # Panics
-    /// Where the thing was removed before.
+    /// If the element was already removed.
     pub fn remove(&mut self, id: Id) -> T {
         let (generation, content) = &mut self.places[id.place as usize];
         let own = if *generation == id.generation { content.take() } else { None };
         let Some(thing) = own else { panic!("{} {id:?} is freed twice", self.what) };
-        // A place whose generations are used up is left empty for good.
+        // A place with exhausted generations stays empty.
         if let Some(next) = generation.checked_add(1) {
             *generation = next;
             self.free.push(id.place);
@@ -62,7 +62,7 @@ impl<T> Slots<T> {
         thing
     }
 
-    /// Takes everything out.
+    /// Removes and returns all elements.
     pub fn take_all(&mut self) -> Vec<T> {
         self.free.clear();
         std::mem::take(&mut self.places).into_iter().filter_map(|(_, thing)| thing).collect()

@@ -1,10 +1,10 @@
-//! Plain values that the graph and the recorder speak.
+//! Plain values shared by the graph and the recorder.
 
 use super::memory::{BufferId, ImageId};
 use ash::vk;
 
 bitflags::bitflags! {
-    /// Pipeline stages, as coarse as hazards in this engine are.
+    /// Pipeline stages, as coarse as this engine's hazards.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     pub struct Stages: u32 {
         /// Indirect draw arguments.
@@ -38,7 +38,7 @@ bitflags::bitflags! {
 }
 
 impl Accesses {
-    /// Those that write.
+    /// All writing accesses.
     pub const WRITES: Self = Self::SHADER_WRITE.union(Self::ATTACHMENT_WRITE).union(Self::TRANSFER_WRITE);
 }
 
@@ -46,7 +46,7 @@ impl Accesses {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Barrier {
     pub from: Stages,
-    /// Writes to make available; empty where only execution is ordered.
+    /// Writes to make available; empty for an execution dependency alone.
     pub written: Accesses,
     pub to: Stages,
     /// Accesses to make the writes visible to.
@@ -54,11 +54,11 @@ pub struct Barrier {
 }
 
 impl Barrier {
-    /// Everything before is done and visible to everything after.
+    /// Full barrier: everything before has completed and is visible to everything after.
     pub const FULL: Self = Self { from: Stages::all(), written: Accesses::WRITES, to: Stages::all(), needed: Accesses::all() };
 }
 
-/// How a texture is addressed outside [0, 1].
+/// Addressing of a texture outside of [0, 1].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Wrapping {
     Repeat,
@@ -66,35 +66,35 @@ pub enum Wrapping {
     ClampToEdge,
 }
 
-/// How an image is looked up; made once and kept.
+/// Sampler state; samplers are created once and kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Sampler {
-    /// The nearest texel, edges clamped.
+    /// Nearest texel, clamped to edges.
     Nearest,
-    /// Bilinear, edges clamped.
+    /// Bilinear, clamped to edges.
     Linear,
     /// A material's texture: trilinear or nearest, with its own wrapping.
     Material { u: Wrapping, v: Wrapping, linear: bool },
 }
 
-/// What is bound to a shader's binding.
+/// Resource bound to a shader's binding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bound {
     UniformBuffer(BufferId),
-    /// A part of a buffer; the offset is a multiple of 256, which every device takes.
+    /// A range of a buffer; the offset is a multiple of 256, which every device accepts.
     UniformRange {
         buffer: BufferId,
         offset: u64,
         bytes: u64,
     },
     StorageBuffer(BufferId),
-    /// All mips; all layers where `array`, else the first.
+    /// All mips; all layers if `array`, else the first.
     SampledImage {
         image: ImageId,
         array: bool,
         sampler: Sampler,
     },
-    /// Mip 0; all layers where `array`, else the first.
+    /// Mip 0; all layers if `array`, else the first.
     StorageImage {
         image: ImageId,
         array: bool,

@@ -1,4 +1,4 @@
-//! Buffers and images that are filled when they are made.
+//! Buffers and images that are filled at creation.
 
 use super::device::Gpu;
 use super::format::Format;
@@ -7,9 +7,9 @@ use super::types::{Accesses, Barrier, Stages};
 use anyhow::{Context, Result};
 
 impl Gpu {
-    /// A device buffer that holds `contents`.
+    /// Creates a device buffer with `contents`.
     pub fn create_filled_buffer(&mut self, name: &str, contents: &[u8]) -> Result<BufferId> {
-        /// Staged at a time, so that a large scene does not lie in memory twice.
+        /// Bytes staged at a time, so that a large scene is not in memory twice.
         const CHUNK: usize = 32 << 20;
         let id = self.create_buffer(name, contents.len() as u64)?;
         if contents.is_empty() {
@@ -25,10 +25,10 @@ impl Gpu {
         Ok(id)
     }
 
-    /// An image without mips that holds `texels`, row by row, layer by layer, and nothing in particular where they end; shaders may
-    /// store to it where `storage`.
+    /// Creates an image without mips, filled with `texels` row by row, layer by layer; the rest is undefined. Shaders may store to it if
+    /// `storage`.
     pub fn create_filled_image(&mut self, name: &str, format: Format, size: [u32; 3], texels: &[u8], storage: bool) -> Result<ImageId> {
-        /// Staged at a time, as in [`Self::create_filled_buffer`].
+        /// Bytes staged at a time, as in [`Self::create_filled_buffer`].
         const CHUNK: usize = 32 << 20;
         let [width, height, layers] = size;
         let row = width as usize * format.texel_bytes();
@@ -48,7 +48,7 @@ impl Gpu {
         Ok(id)
     }
 
-    /// A sampled image array: one RGBA8 image a layer, all of the same size, with all mips.
+    /// Creates a sampled image array with all mips, one RGBA8 image a layer, all of the same size.
     pub fn create_texture_array(&mut self, name: &str, format: Format, size: [u32; 2], layers: &[&[u8]]) -> Result<ImageId> {
         let [width, height] = size;
         let mips = width.max(height).ilog2() + 1;

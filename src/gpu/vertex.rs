@@ -1,10 +1,10 @@
-//! What a vertex is made of: said by whoever draws, held against what the vertex shader reads.
+//! Vertex layouts: given by whoever draws, and checked against the inputs of the vertex shader.
 
 use super::shader::Shader;
 use anyhow::{Result, bail};
 use ash::vk;
 
-/// How an attribute lies in memory.
+/// Memory format of an attribute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum VertexFormat {
     /// Two floats, a `vec2`.
@@ -28,7 +28,7 @@ impl VertexFormat {
         }
     }
 
-    /// What a shader reads it as.
+    /// GLSL type of the shader's input.
     pub const fn glsl(self) -> &'static str {
         match self {
             Self::Float2 | Self::Snorm16x2 => "vec2",
@@ -49,16 +49,16 @@ impl VertexFormat {
     }
 }
 
-/// A part of a vertex, by the name of the shaders' inputs.
+/// An attribute of a vertex, named as the shaders' input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct VertexAttribute {
     pub name: &'static str,
     pub format: VertexFormat,
-    /// In bytes.
+    /// Offset in the vertex, bytes.
     pub offset: u32,
 }
 
-/// How vertices lie in their buffer. Made by [`vertex_layout!`](crate::vertex_layout).
+/// Layout of vertices in their buffer. Made by [`vertex_layout!`](crate::vertex_layout).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct VertexLayout {
     pub attributes: &'static [VertexAttribute],
@@ -67,16 +67,15 @@ pub struct VertexLayout {
 }
 
 impl VertexLayout {
-    /// Holds a vertex shader's inputs against the attributes of their names. A shader need not read all; each input's location is the
-    /// shader's own.
+    /// Checks a vertex shader's inputs against the attributes of their names. A shader need not read all; locations are the shader's own.
     ///
     /// # Errors
-    /// The shader and the input that the vertex does not have, or has as another type.
+    /// They name the shader, and the input that the vertex lacks or has with another type.
     pub fn check(&self, shader: &Shader) -> Result<()> {
         self.inputs(shader).map(|_| ())
     }
 
-    /// The attributes that a vertex shader reads, at its locations.
+    /// Attributes that a vertex shader reads, at its locations.
     pub(super) fn inputs(&self, shader: &Shader) -> Result<Vec<vk::VertexInputAttributeDescription>> {
         let mut inputs: Vec<vk::VertexInputAttributeDescription> = Vec::with_capacity(shader.inputs.len());
         for input in &shader.inputs {
@@ -98,8 +97,8 @@ impl VertexLayout {
     }
 }
 
-/// The layout of a vertex struct by its fields: `vertex_layout!(Vertex { position: Float3, tangent: Uint })`. A field whose size is not its
-/// format's does not compile.
+/// Vertex layout of a struct by its fields: `vertex_layout!(Vertex { position: Float3, tangent: Uint })`. A field whose size differs from
+/// its format's does not compile.
 #[macro_export]
 macro_rules! vertex_layout {
     ($vertex:ty { $($name:ident: $format:ident),+ $(,)? }) => {

@@ -1,4 +1,4 @@
-//! Holds what a pass declares against what its shaders do.
+//! Checks of a pass's declarations against its shaders.
 
 use super::pass::{DrawList, Pass, Use, Work};
 use super::{Graph, Library, Resource, Source, Variant};
@@ -14,7 +14,7 @@ fn verb(access: ShaderAccess) -> &'static str {
     }
 }
 
-/// Compares a pass with the bindings of one of its pipelines.
+/// Compares a pass's uses with the bindings of one of its pipelines.
 pub(super) fn bindings(graph: &Graph, pass: &Pass, list: Option<&DrawList>, bindings: &BTreeMap<String, (u32, Binding)>) -> Result<()> {
     for (i, used) in pass.uses.iter().enumerate() {
         if pass.uses[..i].iter().any(|other| other.binding == used.binding) {
@@ -66,7 +66,7 @@ fn kind(graph: &Graph, used: &Use, binding: &Binding) -> Result<()> {
     }
 }
 
-/// Compares push constants.
+/// Compares a pass's push constants with its shaders' blocks.
 pub(super) fn params(pass: &Pass, blocks: &[Option<&Block>]) -> Result<()> {
     let mut blocks = blocks.iter().flatten().peekable();
     match (&pass.params, blocks.peek().is_some()) {
@@ -79,7 +79,7 @@ pub(super) fn params(pass: &Pass, blocks: &[Option<&Block>]) -> Result<()> {
     }
 }
 
-/// Compares the parts that a pass names with the slots of its shaders, before they are compiled.
+/// Compares a pass's parts with the slots of its shaders, before these are compiled.
 pub(super) fn parts(pass: &Pass, variants: &[Variant], library: &Library) -> Result<()> {
     let mut slots = BTreeSet::new();
     for variant in variants {
@@ -96,8 +96,8 @@ pub(super) fn parts(pass: &Pass, variants: &[Variant], library: &Library) -> Res
     Ok(())
 }
 
-/// Compares specialization constants, those of a draw list among them. The shaders' are what their sources declare, used or not: SPIR-V that
-/// is not optimised keeps them all.
+/// Compares a pass's and a draw list's specialization constants with the shaders' declared ones. Unused constants count, since unoptimised
+/// SPIR-V keeps them all.
 pub(super) fn constants(pass: &Pass, given: &[(&str, u32)], shaders: &[&Shader]) -> Result<()> {
     let declared = || shaders.iter().flat_map(|shader| shader.constants.iter().map(|(name, _)| name.as_str()));
     if let Some((name, _)) = given.iter().find(|(name, _)| declared().all(|known| known != *name)) {
@@ -109,8 +109,8 @@ pub(super) fn constants(pass: &Pass, given: &[(&str, u32)], shaders: &[&Shader])
     }
 }
 
-/// The order of things: names are unique, nothing is read before it is written, imports are only read, and no pass uses a
-/// resource in two ways.
+/// Checks the order of passes: names are unique, nothing is read before it is written, imports are only read, and no pass uses a resource
+/// in two ways.
 pub(super) fn order(graph: &Graph) -> Result<()> {
     let mut names = HashSet::new();
     let mut written: BTreeSet<usize> = (0..graph.slots.len()).filter(|i| !matches!(graph.slots[*i].source, Source::Transient)).collect();

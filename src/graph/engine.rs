@@ -1,4 +1,4 @@
-//! Runs frames: looks everything up that the passes name, and hands it to [`super::record`].
+//! Runs frames: resolves the names of passes to pipelines and resources, and hands them to [`super::record`].
 
 use super::check;
 use super::library::Library;
@@ -13,51 +13,51 @@ use crate::trace;
 use anyhow::{Result, bail};
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-/// How passes are timed.
+/// Timing mode of passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Timing {
-    /// A full barrier around each pass: the times of the passes sum to the frame's.
+    /// A full barrier around each pass; the times of the passes sum to the frame's.
     #[default]
     Isolated,
-    /// Only the barriers that the hazards need: passes may overlap, a stamp follows each.
+    /// Only barriers that hazards need: passes may overlap, and a timestamp follows each.
     Overlapped,
-    /// A submission for each pass, by the host's clock.
+    /// One submission a pass, timed by the host.
     Serial,
 }
 
-/// What to do beside running the passes.
+/// Options of a run.
 #[derive(Debug, Clone, Default)]
 pub struct Execution {
     pub timing: Timing,
-    /// Names of passes whose written resources are copied out right after them.
+    /// Names of passes whose outputs are copied out directly after them.
     pub dump: Vec<String>,
-    /// Counts texels that are not finite after every pass.
+    /// Counts texels that are not finite, after every pass.
     pub check_nan: bool,
 }
 
-/// What a frame gave.
+/// Results of a frame.
 #[derive(Debug, Clone, Default)]
 pub struct FrameOutcome {
-    /// Each pass's time in milliseconds, in order.
+    /// Time of each pass in order, milliseconds.
     pub times: Vec<(&'static str, f64)>,
-    /// When each of these passes began, milliseconds after the first.
+    /// Begin of each pass, milliseconds after the first pass's.
     pub begins: Vec<f64>,
-    /// What passes counted ([`Graph::count`]), by name.
+    /// Counters of the passes ([`Graph::count`]), by name.
     pub counts: Vec<(String, u64)>,
     pub dumps: Vec<Dump>,
-    /// Pass, image, and how many of its texels are not finite; only those with some.
+    /// Pass, image, and number of texels that are not finite; only images with some.
     pub non_finite: Vec<(&'static str, String, u32)>,
     read: Vec<Vec<u8>>,
 }
 
 impl FrameOutcome {
-    /// The bytes of a resource that was read back: texels of all layers, or elements.
+    /// Bytes of a resource that was read back: texels of all layers, or elements.
     pub fn bytes(&self, read_back: ReadBack) -> &[u8] {
         &self.read[read_back.0]
     }
 }
 
-/// A resource as it was right after a pass.
+/// Copy of a resource directly after a pass.
 #[derive(Debug, Clone)]
 pub struct Dump {
     pub pass: &'static str,
@@ -71,12 +71,12 @@ pub enum DumpData {
     Buffer { element: &'static str, element_bytes: usize, bytes: Vec<u8> },
 }
 
-/// A device with its shaders and pipelines, which all sequences of frames share.
+/// A device with its shaders and pipelines, shared by all sequences of frames.
 pub struct Engine {
     pub gpu: Gpu,
     pub(super) library: Library,
     pub(super) pipelines: HashMap<PipelineKey, PipelineId>,
-    /// Of frames that belong to no sequence of their own.
+    /// Pool of frames that belong to no sequence.
     pool: Pool,
 }
 
@@ -87,22 +87,22 @@ impl Engine {
         Self { gpu, library, pipelines: HashMap::new(), pool: Pool::default() }
     }
 
-    /// A hash of a shader's source, with the defaults in its slots, and of the compiler: it changes with what the shader does.
+    /// Hash of a shader's source, with the default parts in its slots, and of the compiler.
     pub fn shader_key(&self, path: &str) -> Result<blake3::Hash> {
         self.library.key(path, &[])
     }
 
-    /// A hash of all shaders' sources and of the compiler.
+    /// Hash of all shaders' sources and of the compiler.
     pub fn shaders_key(&self) -> blake3::Hash {
         self.library.key_of_all()
     }
 
-    /// How many pipelines have been made so far.
+    /// Number of pipelines made so far.
     pub fn pipelines_made(&self) -> usize {
         self.pipelines.len()
     }
 
-    /// Compiles the graph's shaders and makes its pipelines, so that no frame has to.
+    /// Compiles the graph's shaders and creates its pipelines, so that no frame has to.
     pub fn prepare(&mut self, graph: &Graph) -> Result<()> {
         check::order(graph)?;
         self.compile(graph)?;
@@ -132,7 +132,8 @@ impl Engine {
     /// Runs a frame as the next one of a sequence and waits for it.
     ///
     /// # Errors
-    /// A pass that lies about its shader, and the device's own. The sequence's history is then zeros in its next frame.
+    /// A pass whose declaration differs from its shader, and the device's own errors. The sequence's history is then zeroed in its next
+    /// frame.
     pub fn run(&mut self, pool: &mut Pool, graph: &Graph, execution: &Execution) -> Result<FrameOutcome> {
         let preparing = trace::span("preparing");
         self.prepare(graph)?;
@@ -150,7 +151,7 @@ impl Engine {
             };
             let mut dump = Vec::new();
             if execution.dump.iter().any(|name| name == pass.name) {
-                // Counts are in the outcome as it is.
+                // Counters are in the outcome anyway.
                 for resource in pass.written().into_iter().filter(|resource| !graph.is_count(*resource)) {
                     let name = format!("dump {} {}", pass.name, graph.name(resource));
                     dump.push((resource, self.read_back_buffer(pool, graph, resource, &name)?));
@@ -217,7 +218,7 @@ impl Engine {
         Ok(outcome)
     }
 
-    /// Lends every resource of the graph its memory; usage flags come from how the passes use it.
+    /// Gives every resource of the graph its memory. Usage flags follow from the passes' uses.
     fn place(&mut self, pool: &mut Pool, graph: &Graph) -> Result<Placed> {
         let stored = self.storage_images(graph)?;
         let mut placed = Placed { images: HashMap::new(), buffers: HashMap::new(), zeroed: Vec::new() };
@@ -284,7 +285,7 @@ impl Engine {
         Ok(placed)
     }
 
-    /// Indices of the images that shaders read or write without a sampler.
+    /// Indices of images that shaders use as storage images.
     fn storage_images(&mut self, graph: &Graph) -> Result<HashSet<usize>> {
         let mut stored = HashSet::new();
         for pass in &graph.passes {
@@ -342,7 +343,7 @@ impl Engine {
         pool.buffer(&mut self.gpu, name, graph.bytes(resource), BufferKind::ReadBack)
     }
 
-    /// The pipeline that counts texels which are not finite, and where it counts them.
+    /// Pipeline that counts texels that are not finite, and the buffer of its counts.
     fn checker(&mut self, pool: &mut Pool, count: usize) -> Result<(PipelineId, BufferId)> {
         let shader = Variant { path: format!("{CHECK}.comp"), parts: Vec::new() };
         self.library.prepare(&BTreeSet::from([shader.clone()]))?;

@@ -1,4 +1,4 @@
-//! The shaders: embedded in the program or read from a folder, compiled with shaderc, kept as SPIR-V in the user's cache.
+//! Library of shaders: sources embedded in the program or read from a folder, compiled with shaderc, and cached as SPIR-V for the user.
 
 use super::parts::{Part, Variant, included, includes, slot_of};
 use crate::cache;
@@ -13,20 +13,20 @@ use std::path::Path;
 
 static EMBEDDED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/glsl");
 
-/// Names a folder to read the shaders from instead of the embedded ones.
+/// Environment variable that names a folder of shaders, in place of the embedded ones.
 pub const VARIABLE: &str = "MANYLIGHT_GLSL";
 
-/// How [`Library::compile`] compiles: part of the cache's keys, so it changes with that function.
+/// Options of [`Library::compile`] as a part of the cache's keys; it changes with that function.
 const OPTIONS: &str = "vulkan1.3, auto-bound uniforms, unoptimised, 1";
 
-/// All shader sources by their path below `glsl/`, and what has been compiled of them.
+/// All shader sources by their path below `glsl/`, and the shaders compiled so far.
 pub struct Library {
     sources: BTreeMap<String, String>,
     shaders: HashMap<Variant, Shader>,
 }
 
 impl Library {
-    /// The embedded sources, or those of the folder that `MANYLIGHT_GLSL` names.
+    /// Library of the embedded sources, or of the folder that `MANYLIGHT_GLSL` names.
     pub fn new() -> Result<Self> {
         match std::env::var_os(VARIABLE) {
             Some(folder) => Self::from_folder(Path::new(&folder)),
@@ -38,7 +38,7 @@ impl Library {
         }
     }
 
-    /// The sources in a folder and below it.
+    /// Library of the sources in a folder and its subfolders.
     pub fn from_folder(folder: &Path) -> Result<Self> {
         let mut sources = BTreeMap::new();
         collect_folder(folder, folder, &mut sources)
@@ -46,12 +46,12 @@ impl Library {
         Ok(Self::from_sources(sources))
     }
 
-    /// Sources given by path and text.
+    /// Library of sources given by path and text.
     pub fn from_sources(sources: BTreeMap<String, String>) -> Self {
         Self { sources, shaders: HashMap::new() }
     }
 
-    /// Makes sure that these shaders are there, compiling in parallel what is not cached.
+    /// Prepares these shaders; those that are not cached are compiled in parallel.
     pub fn prepare(&mut self, variants: &BTreeSet<Variant>) -> Result<()> {
         let missing: Vec<&Variant> = variants.iter().filter(|variant| !self.is_prepared(variant)).collect();
         let made = missing.par_iter().map(|variant| Ok(((*variant).clone(), self.make(variant)?)));
@@ -64,7 +64,7 @@ impl Library {
         self.shaders.contains_key(variant)
     }
 
-    /// The paths of a raster pass's shaders: a vertex shader, and what else there is of its name.
+    /// Paths of a raster pass's shaders: the vertex shader, and those of other stages that exist under its name.
     pub fn raster_paths(&self, name: &str) -> Vec<String> {
         let path = |(extension, stage): (&str, ShaderStage)| {
             let path = format!("{name}.{extension}");
@@ -74,7 +74,7 @@ impl Library {
         ShaderStage::ALL.into_iter().filter_map(path).collect()
     }
 
-    /// A shader that has been prepared.
+    /// A prepared shader.
     pub fn get(&self, variant: &Variant) -> &Shader {
         self.shaders.get(variant).unwrap_or_else(|| unreachable!("glsl/{variant} is used before it was prepared"))
     }
@@ -93,7 +93,7 @@ impl Library {
                 let _span = trace::span(format_args!("compiling {variant}"));
                 let words = self.compile(variant, stage)?;
                 let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-                // Without a cache every start compiles anew, and nothing else changes.
+                // A failure is ignored: without a cache every start compiles anew, and nothing else changes.
                 let _ = cache::user().write("spirv", &key, &bytes);
                 words
             }
@@ -105,7 +105,7 @@ impl Library {
         self.sources.get(path).ok_or_else(|| fail!(BadInput, "glsl/{path}: there is no such shader"))
     }
 
-    /// A hash of all sources and of the compiler.
+    /// Hash of all sources and of the compiler.
     pub fn key_of_all(&self) -> blake3::Hash {
         let mut hasher = Self::hasher("");
         for (path, source) in &self.sources {
@@ -114,7 +114,7 @@ impl Library {
         hasher.finalize()
     }
 
-    /// Of the compiler, and of what it is to compile.
+    /// Hasher fed with the compiler's version and options, and a path.
     fn hasher(path: &str) -> blake3::Hasher {
         let mut hasher = blake3::Hasher::new();
         let (version, revision) = shaderc::get_spirv_version();
@@ -122,13 +122,13 @@ impl Library {
         hasher
     }
 
-    /// What the compiler reads for a shader, the shader itself first.
+    /// Files that the compiler reads for a shader, the shader itself first.
     fn files(&self, path: &str, parts: &[Part]) -> Result<Vec<File<'_>>> {
         let mut files: Vec<File<'_>> = Vec::new();
         let mut open = vec![(path.to_owned(), None)];
         while let Some((path, slot)) = open.pop() {
             let source = match slot {
-                // Without its source the file that wants a part is no better known.
+                // The error names the slot: the file that includes it says nothing about the part.
                 Some(slot) => self.sources.get(&path).ok_or_else(|| fail!(BadInput, "glsl/{path}: there is no such part, for {slot:?}"))?,
                 None => self.source(&path)?,
             };
@@ -144,12 +144,12 @@ impl Library {
         Ok(files)
     }
 
-    /// The names of a shader's slots, given what fills them.
+    /// Names of a shader's slots, given the parts that fill them.
     pub(super) fn slots(&self, variant: &Variant) -> Result<BTreeSet<&str>> {
         Ok(self.files(&variant.path, &variant.parts)?.into_iter().filter_map(|file| file.slot).collect())
     }
 
-    /// Of everything that the compiler will read, and of the compiler.
+    /// Hash of all files that the compiler reads, and of the compiler.
     pub fn key(&self, path: &str, parts: &[Part]) -> Result<blake3::Hash> {
         let mut hasher = Self::hasher(path);
         for File { path, slot, source } in self.files(path, parts)? {
@@ -182,7 +182,7 @@ impl Library {
         match compiled {
             Ok(artifact) => Ok(artifact.as_binary().to_vec()),
             Err(shaderc::Error::CompilationError(_, text)) => {
-                // The line may be in a part, or miss what a part left out.
+                // The error's line may be in a part, or may miss something that a part left out, so all parts are named.
                 let whole = if parts.is_empty() { String::new() } else { format!("glsl/{variant}: ") };
                 Err(fail!(BadInput, "a shader does not compile: {whole}glsl/{}", text.trim()))
             }

@@ -1,10 +1,10 @@
-//! What the resources of a frame take.
+//! Memory of a frame's resources.
 
 use super::{Graph, Resource, Source};
 
 impl Graph {
-    /// Bytes of every resource of the frame's own by its name, in the order in which they were described: texels of all layers, or
-    /// elements, without what the device adds. What is the frame's own is all but the scene, whose resources it imports.
+    /// Bytes of each of the frame's own resources by name, in the order of description: texels of all layers, or elements, without the
+    /// device's overhead. Imported resources, such as the scene's, are not the frame's own.
     pub fn memory(&self) -> Vec<(String, u64)> {
         let own = self.slots.iter().filter(|slot| !matches!(slot.source, Source::ImportedBuffer(_) | Source::ImportedImage(_)));
         own.map(|slot| (slot.name.clone(), self.bytes(slot.resource))).collect()

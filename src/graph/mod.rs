@@ -1,8 +1,8 @@
 //! The frame graph: a frame is a list of passes in the order in which they run, declared by the names that their shaders use.
 //!
-//! A [`Graph`] is plain data, built anew each frame without a device. [`Engine::execute`] then holds every declaration against
-//! the shaders' reflection, takes resources from a pool, puts the barriers of [`plan`] between the passes, records, submits
-//! and times them. Nothing is reordered, merged or aliased: what was written is there to look at.
+//! A [`Graph`] is plain data, built anew each frame without a device. [`Engine::execute`] then checks every declaration against the
+//! shaders' reflection, takes resources from a pool, puts the barriers of [`plan`] between the passes, records, submits and times them.
+//! Passes are not reordered or merged, and memory is not aliased, so every resource can be inspected after the frame.
 
 mod check;
 mod engine;
@@ -26,7 +26,7 @@ pub use shader_struct::{Member, ShaderStruct};
 use crate::gpu::{BufferId, Format, ImageId};
 use pass::Pass;
 
-/// An image of the frame: a handle, with what it is.
+/// Handle of an image of the frame, with its properties.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Image {
     index: u32,
@@ -35,14 +35,14 @@ pub struct Image {
     pub layers: u32,
 }
 
-/// A buffer of the frame: an array of `count` elements.
+/// Handle of a buffer of the frame: an array of `count` elements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Buffer {
     index: u32,
     pub count: u32,
 }
 
-/// Either kind, where a pass takes both.
+/// An image or a buffer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Resource {
     Image(Image),
@@ -70,7 +70,7 @@ impl Resource {
     }
 }
 
-/// The elements of a buffer, as the shaders must declare them.
+/// Element type of a buffer, as shaders must declare it.
 #[derive(Debug, Clone, Copy)]
 struct Element {
     name: &'static str,
@@ -80,19 +80,19 @@ struct Element {
 
 #[derive(Debug, Clone)]
 enum Source {
-    /// From the pool, undefined when the frame begins.
+    /// From the pool; undefined when the frame begins.
     Transient,
     /// Filled by the host before the frame begins.
     Uploaded(Vec<u8>),
-    /// A word from the pool, 0 when the frame begins and read back when it ends.
+    /// A word from the pool; 0 when the frame begins, and read back when it ends.
     Counted,
-    /// From the pool, zeros when the frame begins.
+    /// From the pool; zeros when the frame begins.
     Zeroed,
-    /// What the frame before left in it, or zeros.
+    /// Contents of the frame before, or zeros.
     History,
     ImportedBuffer(BufferId),
     ImportedImage(ImageId),
-    /// Outlives the frame, and passes may write it.
+    /// Outlives the frame; passes may write it.
     KeptImage(ImageId),
 }
 
@@ -104,19 +104,19 @@ struct Slot {
     source: Source,
 }
 
-/// A frame being described. See the module's page.
+/// A frame in description.
 #[derive(Debug, Default)]
 pub struct Graph {
     slots: Vec<Slot>,
     passes: Vec<Pass>,
     read_backs: Vec<Resource>,
     warming_up: bool,
-    /// Appended to the names of what is described, and how many descriptions that is inside of; see [`Self::again`].
+    /// Suffix of names, and depth of nested descriptions; see [`Self::again`].
     suffix: String,
     depth: u32,
 }
 
-/// A resource that the host gets after the frame; see [`FrameOutcome::bytes`].
+/// A resource that is read back after the frame; see [`FrameOutcome::bytes`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReadBack(usize);
 
@@ -125,19 +125,19 @@ impl Graph {
         Self::default()
     }
 
-    /// A frame to warm up with: scenes draw a triangle of every kind that no view sees, so that no later frame of a path has to make
-    /// a pipeline, or is the first to use one, which is when some drivers compile it.
+    /// A warm-up frame: scenes draw a triangle of every kind, also of those that no view sees. No later frame has to make a pipeline, or is
+    /// the first to use one, at which some drivers compile it.
     pub fn warming_up() -> Self {
         Self { warming_up: true, ..Self::default() }
     }
 
-    /// Whether the frame is one to warm up with.
+    /// Whether this is a warm-up frame.
     pub fn is_warming_up(&self) -> bool {
         self.warming_up
     }
 
-    /// Describes for the `time`th time what a frame has several times: from the second time on, all passes and resources are named
-    /// with `#` and the time behind, and so keep apart; what is described several times within that, with `-`.
+    /// Describes repetition `time` (from 1) of a part of the frame. From the second on, names of passes and resources get the suffix
+    /// `#time`, and repetitions nested in another one `-time`, so that all names stay unique.
     pub fn again<R>(&mut self, time: u32, describe: impl FnOnce(&mut Self) -> R) -> R {
         let outer = self.suffix.len();
         if time > 1 {
@@ -154,7 +154,7 @@ impl Graph {
         self.slots.push(Slot { name: format!("{name}{}", self.suffix), resource, element, source });
     }
 
-    /// An image that some pass writes before others read it.
+    /// An image that a pass writes before others read it.
     pub fn image(&mut self, name: &str, format: Format, size: [u32; 2]) -> Image {
         self.layered_image(name, format, size, 1)
     }
@@ -166,14 +166,14 @@ impl Graph {
         image
     }
 
-    /// A buffer of `count` structs that some pass writes before others read it.
+    /// A buffer of `count` structs that a pass writes before others read it.
     pub fn buffer<T: ShaderStruct>(&mut self, name: &str, count: u32) -> Buffer {
         let buffer = Buffer { index: self.slots.len() as u32, count };
         self.add(name, buffer.into(), Some(Element::of::<T>()), Source::Transient);
         buffer
     }
 
-    /// A buffer that holds `elements` when the frame begins.
+    /// A buffer filled with `elements` when the frame begins.
     pub fn upload<T: ShaderStruct>(&mut self, name: &str, elements: &[T]) -> Buffer {
         let buffer = Buffer { index: self.slots.len() as u32, count: elements.len() as u32 };
         let bytes = bytemuck::cast_slice(elements).to_vec();
@@ -181,24 +181,23 @@ impl Graph {
         buffer
     }
 
-    /// A number that is 0 when the frame begins and that passes add to, whole numbers by atomics, so that their order changes
-    /// nothing; a shader's block has it as its one `uint`, and the pass [`updates`](ComputePass::updates) it. It comes back in
-    /// [`FrameOutcome::counts`].
+    /// A counter: 0 when the frame begins, and returned in [`FrameOutcome::counts`]. Passes add to it by integer atomics, whose order does
+    /// not matter. A shader's block has it as its one `uint`, and the pass [`updates`](ComputePass::updates) it.
     pub fn count(&mut self, name: &str) -> Buffer {
         let buffer = Buffer { index: self.slots.len() as u32, count: 1 };
         self.add(name, buffer.into(), Some(Element::of::<u32>()), Source::Counted);
         buffer
     }
 
-    /// A buffer of `count` structs, all zeros when the frame begins, that passes add to.
+    /// A buffer of `count` structs, zeroed when the frame begins.
     pub fn zeroed<T: ShaderStruct>(&mut self, name: &str, count: u32) -> Buffer {
         let buffer = Buffer { index: self.slots.len() as u32, count };
         self.add(name, buffer.into(), Some(Element::of::<T>()), Source::Zeroed);
         buffer
     }
 
-    /// A buffer of `count` structs that holds what the frame before left in it, which had one of this name and size; zeros in the
-    /// first frame, and after [`Pool::cut`].
+    /// A buffer of `count` structs with the contents that the frame before left in the buffer of this name and size. It is zeroed in the
+    /// first frame, after [`Pool::cut`], and after a frame without it.
     pub fn history<T: ShaderStruct>(&mut self, name: &str, count: u32) -> Buffer {
         let buffer = Buffer { index: self.slots.len() as u32, count };
         self.add(name, buffer.into(), Some(Element::of::<T>()), Source::History);
@@ -219,14 +218,14 @@ impl Graph {
         image
     }
 
-    /// An image that outlives the frame, and that passes add to: it holds what the frame before left in it.
+    /// An image that outlives the frame and that passes may write; it holds the contents of the frame before.
     pub fn keep_image(&mut self, name: &str, id: ImageId, format: Format, size: [u32; 2], layers: u32) -> Image {
         let image = Image { index: self.slots.len() as u32, format, size, layers };
         self.add(name, image.into(), None, Source::KeptImage(id));
         image
     }
 
-    /// Brings a resource back to the host once the frame is done.
+    /// Reads a resource back to the host after the frame.
     pub fn read_back(&mut self, resource: impl Into<Resource>) -> ReadBack {
         self.read_backs.push(resource.into());
         ReadBack(self.read_backs.len() - 1)
@@ -237,12 +236,12 @@ impl Graph {
         ComputePass::new(self, name)
     }
 
-    /// Begins a raster pass over the whole of its attachments. Its shaders are `glsl/<name>.vert` and `glsl/<name>.frag`.
+    /// Begins a raster pass over all of its attachments. Its shaders are `glsl/<name>.vert` and `glsl/<name>.frag`.
     pub fn raster(&mut self, name: &'static str) -> RasterPass<'_> {
         RasterPass::new(self, name)
     }
 
-    /// The passes' names, in order.
+    /// Names of the passes, in order.
     pub fn pass_names(&self) -> impl Iterator<Item = &'static str> {
         self.passes.iter().map(|pass| pass.name)
     }
@@ -256,7 +255,7 @@ impl Graph {
     }
 }
 
-/// What passes counted under a name, in all descriptions of it ([`Graph::again`]).
+/// Values of a counter in all its repetitions ([`Graph::again`]).
 pub fn counted<'c>(counts: &'c [(String, u64)], name: &'c str) -> impl Iterator<Item = u64> + 'c {
     let is_of = move |of: &str| of.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(['#', '-']));
     counts.iter().filter(move |(of, _)| is_of(of)).map(|(_, count)| *count)

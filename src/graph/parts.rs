@@ -1,27 +1,27 @@
-//! Parts of shaders: what a pass has included in the slots that a shader leaves open.
+//! Parts of shaders: files that a pass includes in slots of its shaders.
 //!
-//! `#include "part/SLOT=DEFAULT"` is a slot: the part that the pass names for it is included there ([`ComputePass::part`]), or the default.
-//! `#include "part/SLOT"` has no default. A part is a file below `glsl/` as any other, and may have slots itself. Parts give a shader
-//! what specialization constants cannot: other bindings, formats and layouts.
+//! `#include "part/SLOT=DEFAULT"` is a slot: the part that the pass names for it ([`ComputePass::part`]) is included, or the default.
+//! `#include "part/SLOT"` has no default. A part is a file below `glsl/`, and may have slots itself. Parts can change bindings, formats and
+//! layouts, which specialization constants cannot.
 //!
 //! [`ComputePass::part`]: super::ComputePass::part
 
 use std::fmt;
 
-/// What fills a slot of a shader: the slot, and the part, a file below `glsl/` without its extension.
+/// A slot, and the part that fills it: a file below `glsl/`, without its extension.
 pub type Part = (&'static str, &'static str);
 
-/// A shader as a pass wants it.
+/// A shader with its parts.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Variant {
-    /// Below `glsl/`, with its extension.
+    /// Path below `glsl/`, with its extension.
     pub path: String,
-    /// What the pass fills slots with, whether the shader has these or not: a raster pass's stages get the same.
+    /// Parts that the pass names, even those for slots that this shader lacks: all stages of a raster pass get the same.
     pub parts: Vec<Part>,
 }
 
 impl From<&str> for Variant {
-    /// With the defaults in all slots.
+    /// A shader with the default parts in all slots.
     fn from(path: &str) -> Self {
         Self { path: path.into(), parts: Vec::new() }
     }
@@ -34,18 +34,18 @@ impl fmt::Display for Variant {
     }
 }
 
-/// The names in the `#include`s of a source.
+/// Names in the `#include`s of a source.
 pub(super) fn includes(source: &str) -> impl Iterator<Item = &str> {
     source.lines().filter_map(|line| line.trim_start().strip_prefix("#include")?.trim().strip_prefix('"')?.split('"').next())
 }
 
-/// The slot that an `#include` names, and its default.
+/// Slot that an `#include` names, and its default.
 pub(super) fn slot_of(name: &str) -> Option<(&str, Option<&str>)> {
     let slot = name.strip_prefix("part/")?;
     Some(slot.split_once('=').map_or((slot, None), |(slot, default)| (slot, Some(default))))
 }
 
-/// The path that an `#include` stands for; the error says which slot nothing fills.
+/// Path of an `#include`; the error names a slot that nothing fills.
 pub(super) fn included(name: &str, parts: &[Part]) -> Result<String, String> {
     let Some((slot, default)) = slot_of(name) else { return Ok(name.to_owned()) };
     let named = parts.iter().find(|(known, _)| *known == slot).map(|(_, part)| *part);

@@ -1,19 +1,19 @@
-//! Passes and the sentences that declare them.
+//! Passes, and the builders that declare them.
 
 use super::{Buffer, Element, Graph, Image, Part, Resource, ShaderStruct};
 use crate::gpu::{BufferId, ImageId, Load, Sampler, ShaderAccess, VertexLayout};
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
-/// How many invocations or workgroups a dispatch has.
+/// Size of a dispatch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Extent {
-    /// At least so many invocations: the workgroup's size comes from the shader.
+    /// At least this many invocations; the workgroup's size comes from the shader.
     Invocations([u32; 3]),
     Groups([u32; 3]),
 }
 
-/// A binding's declared use.
+/// Declared use of a binding.
 #[derive(Debug, Clone)]
 pub(super) struct Use {
     pub binding: &'static str,
@@ -22,38 +22,38 @@ pub(super) struct Use {
     pub sampler: Sampler,
 }
 
-/// Indexed triangles to draw in one go: everything that differs from the draws before and after it.
+/// Indexed triangles that are drawn at once, with all state that differs from other lists.
 #[derive(Debug, Clone)]
 pub struct DrawList {
-    /// Textures that belong to this list alone: binding, image array, sampler.
+    /// Textures of this list alone: binding, image array, sampler.
     pub textures: Vec<(&'static str, ImageId, Sampler)>,
-    /// Uniform blocks that belong to this list alone.
+    /// Uniform blocks of this list alone.
     pub blocks: Vec<ListBlock>,
     pub constants: Vec<(&'static str, u32)>,
     pub cull_back: bool,
-    /// How the vertices lie in their buffer.
+    /// Layout of the vertices in their buffer.
     pub vertex: VertexLayout,
-    /// Vertices, and indices of 32 bits: of an import, or of what a pass has written.
+    /// Vertices and 32-bit indices, imported or written by a pass.
     pub vertices: Buffer,
     pub indices: Buffer,
-    /// Indirect commands (`VkDrawIndexedIndirectCommand`), and which of them.
+    /// Indirect commands (`VkDrawIndexedIndirectCommand`), and the range of them to draw.
     pub arguments: Buffer,
     pub first: u32,
     pub count: u32,
 }
 
-/// A uniform block in a part of a buffer that outlives the frame.
+/// A uniform block in a range of a buffer that outlives the frame.
 #[derive(Debug, Clone, Copy)]
 pub struct ListBlock {
     pub binding: &'static str,
     pub buffer: BufferId,
-    /// In bytes, a multiple of 256.
+    /// Offset in bytes, a multiple of 256.
     pub offset: u64,
     pub(super) element: Element,
 }
 
 impl ListBlock {
-    /// Element `index` of a buffer of `T`s as a block.
+    /// Element `index` of a buffer of `T`s, as a block.
     pub fn of<T: ShaderStruct>(binding: &'static str, buffer: BufferId, index: u32) -> Self {
         Self { binding, buffer, offset: u64::from(index) * size_of::<T>() as u64, element: Element::of::<T>() }
     }
@@ -76,7 +76,7 @@ pub(super) enum Work {
 #[derive(Debug, Clone)]
 pub(super) struct Pass {
     pub name: &'static str,
-    /// Its shaders, if they do not go by the pass's name.
+    /// Name of its shaders; the pass's name unless it was changed.
     pub shader: &'static str,
     pub parts: Vec<Part>,
     pub uses: Vec<Use>,
@@ -87,19 +87,19 @@ pub(super) struct Pass {
 
 macro_rules! declarations {
     () => {
-        /// Takes another shader than the one of the pass's name.
+        /// Uses another shader than the one of the pass's name.
         pub fn shader(mut self, shader: &'static str) -> Self {
             self.pass.shader = shader;
             self
         }
 
-        /// Fills a slot of its shaders (`#include "part/SLOT"`) with `glsl/PART.glsl`.
+        /// Fills a slot of the shaders (`#include "part/SLOT"`) with `glsl/PART.glsl`.
         pub fn part(mut self, slot: &'static str, part: &'static str) -> Self {
             self.pass.parts.push((slot, part));
             self
         }
 
-        /// Reads a resource; an image with a sampler is looked up texel by texel.
+        /// Reads a resource; a sampled image is read without filtering.
         pub fn reads(self, binding: &'static str, resource: impl Into<Resource>) -> Self {
             self.uses(binding, resource.into(), ShaderAccess::Read, Sampler::Nearest)
         }
@@ -119,13 +119,13 @@ macro_rules! declarations {
             self.uses(binding, resource.into(), ShaderAccess::ReadWrite, Sampler::Nearest)
         }
 
-        /// Sets a specialization constant by name; each that the shaders declare must be set, here or by all draw lists.
+        /// Sets a specialization constant by name. Every constant that the shaders declare must be set, here or by all draw lists.
         pub fn constant(mut self, name: &'static str, value: impl ConstantValue) -> Self {
             self.pass.constants.push((name, value.bits()));
             self
         }
 
-        /// Sets the push constants, block `params` in the shader.
+        /// Sets the push constants: block `params` in the shader.
         pub fn params<T: ShaderStruct>(mut self, params: &T) -> Self {
             self.pass.params = Some((Element::of::<T>(), bytemuck::bytes_of(params).to_vec()));
             self
@@ -138,7 +138,7 @@ macro_rules! declarations {
     };
 }
 
-/// What a specialization constant can be.
+/// Types of specialization constants.
 pub trait ConstantValue {
     fn bits(self) -> u32;
 }
@@ -161,7 +161,7 @@ impl ConstantValue for f32 {
     }
 }
 
-/// The same string for the same text: there are only so many names of passes.
+/// Interned copy of a name; it is never freed, but there are few names of passes.
 fn interned(name: String) -> &'static str {
     static NAMES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
     let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
@@ -173,7 +173,7 @@ fn interned(name: String) -> &'static str {
     name
 }
 
-/// A compute pass being declared; ends in [`Self::dispatch`] or [`Self::dispatch_groups`].
+/// A compute pass in declaration; it ends with [`Self::dispatch`] or [`Self::dispatch_groups`].
 #[must_use = "a pass does nothing until it is dispatched"]
 pub struct ComputePass<'g> {
     graph: &'g mut Graph,
@@ -188,12 +188,12 @@ impl<'g> ComputePass<'g> {
 
     declarations!();
 
-    /// Runs at least so many invocations; shaders check their bounds.
+    /// Runs at least this many invocations; shaders check their bounds.
     pub fn dispatch(self, invocations: [u32; 3]) {
         self.run(Extent::Invocations(invocations));
     }
 
-    /// Runs so many workgroups.
+    /// Runs this many workgroups.
     pub fn dispatch_groups(self, groups: [u32; 3]) {
         self.run(Extent::Groups(groups));
     }
@@ -204,7 +204,7 @@ impl<'g> ComputePass<'g> {
     }
 }
 
-/// A raster pass being declared; ends in [`Self::draw`].
+/// A raster pass in declaration; it ends with [`Self::draw`].
 #[must_use = "a pass does nothing until it is drawn"]
 pub struct RasterPass<'g> {
     graph: &'g mut Graph,
@@ -228,31 +228,31 @@ impl<'g> RasterPass<'g> {
         self
     }
 
-    /// Renders the fragment shader's output of this name over what an image holds.
+    /// Renders the fragment shader's output of this name over the image's contents.
     pub fn color_over(mut self, output: &'static str, image: Image) -> Self {
         self.color.push(ColorTarget { output, image, load: Load::Keep, additive: false });
         self
     }
 
-    /// Clears an image to 0 and adds up in it what the fragment shader's output of this name is, in the triangles' order.
+    /// Clears an image to 0 and blends the fragment shader's output of this name additively, in the triangles' order.
     pub fn color_sum(mut self, output: &'static str, image: Image) -> Self {
         self.color.push(ColorTarget { output, image, load: Load::Clear([0.0; 4]), additive: true });
         self
     }
 
-    /// Tests against what a depth image holds; see [`Self::depth`].
+    /// Tests against the contents of a depth image; see [`Self::depth`].
     pub fn depth_over(mut self, image: Image) -> Self {
         self.depth = Some((image, Load::Keep));
         self
     }
 
-    /// Clears a depth image to 0, which is infinitely far, and tests against it: the greater is the nearer.
+    /// Clears a depth image to 0, which is infinitely far, and tests against it: a greater depth is nearer.
     pub fn depth(mut self, image: Image) -> Self {
         self.depth = Some((image, Load::Clear([0.0; 4])));
         self
     }
 
-    /// Draws into every pixel that a triangle touches, on a device that has
+    /// Rasterizes conservatively, into every pixel that a triangle touches. The device needs
     /// [`ConservativeRasterization`](crate::gpu::Feature::ConservativeRasterization).
     pub fn conservatively(mut self) -> Self {
         self.conservative = true;
@@ -273,7 +273,7 @@ impl Pass {
         Self { name, shader, parts: Vec::new(), uses: Vec::new(), constants: Vec::new(), params: None, work }
     }
 
-    /// All resources that it writes, attachments included.
+    /// All resources that the pass writes, attachments included.
     pub fn written(&self) -> Vec<Resource> {
         let mut written: Vec<Resource> = self.uses.iter().filter(|u| u.access != ShaderAccess::Read).map(|u| u.resource).collect();
         if let Work::Raster { color, depth, .. } = &self.work {
@@ -285,7 +285,7 @@ impl Pass {
 }
 
 impl Pass {
-    /// Attachments that it renders over without clearing them.
+    /// Attachments that the pass renders over without clearing them.
     pub fn kept(&self) -> impl Iterator<Item = Resource> {
         let (color, depth) = match &self.work {
             Work::Raster { color, depth, .. } => (color.as_slice(), *depth),

@@ -1,4 +1,5 @@
-//! The engine's pipelines: made once for each shader, constants and targets, and held against every pass that uses them.
+//! The engine's pipelines: made once for each combination of shader, parts, constants and targets, and checked against every pass that uses
+//! them.
 
 use super::check;
 use super::engine::Engine;
@@ -18,7 +19,7 @@ pub(super) struct PipelineKey {
 }
 
 impl Engine {
-    /// A pass's shaders, one a stage.
+    /// Shaders of a pass, one a stage.
     fn variants(&self, pass: &Pass) -> Vec<Variant> {
         let paths = match pass.work {
             Work::Compute(_) => vec![format!("{}.comp", pass.shader)],
@@ -27,7 +28,7 @@ impl Engine {
         paths.into_iter().map(|path| Variant { path, parts: pass.parts.clone() }).collect()
     }
 
-    /// Compiles the graph's shaders, with the parts that its passes name.
+    /// Compiles the graph's shaders with the parts of its passes.
     pub(super) fn compile(&mut self, graph: &Graph) -> Result<()> {
         let mut wanted = BTreeSet::new();
         for pass in &graph.passes {
@@ -40,7 +41,7 @@ impl Engine {
         self.library.prepare(&wanted)
     }
 
-    /// The pipeline of a pass, or of one of its draw lists, checked against what the pass declares.
+    /// Pipeline of a pass, or of one of its draw lists, checked against the pass's declaration.
     pub(super) fn pipeline(&mut self, graph: &Graph, pass: &Pass, list: Option<&DrawList>) -> Result<PipelineId> {
         let raster = match (&pass.work, list) {
             (Work::Compute(_), _) => None,
@@ -66,7 +67,7 @@ impl Engine {
                 id
             }
         };
-        // Another pass, or another frame, may declare itself differently over the same pipeline.
+        // Checked each time: another pass, or another frame, may use the same pipeline with another declaration.
         check::bindings(graph, pass, list, self.gpu.bindings(id))?;
         let shaders: Vec<&Shader> = variants.iter().map(|variant| self.library.get(variant)).collect();
         check::params(pass, &shaders.iter().map(|shader| shader.push_constants.as_ref()).collect::<Vec<_>>())?;

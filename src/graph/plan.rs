@@ -1,8 +1,8 @@
-//! From what passes access to the barriers between them: pure data, no device.
+//! Planner of barriers between passes, from the passes' accesses: pure data, no device.
 
 use crate::gpu::{Accesses, Barrier, Stages};
 
-/// One pass's access to one resource.
+/// Access of one pass to one resource.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Access {
     pub resource: usize,
@@ -10,16 +10,16 @@ pub struct Access {
     pub accesses: Accesses,
 }
 
-/// What is known of a resource at some point of the frame.
+/// State of a resource at some point of the frame.
 #[derive(Debug, Clone)]
 struct State {
     write_stages: Stages,
     write_accesses: Accesses,
-    /// To whom the last write has been made visible.
+    /// Stages and accesses that the last write is visible to.
     visible: Vec<(Stages, Accesses)>,
-    /// Who has read since the last write.
+    /// Stages that have read since the last write.
     read_stages: Stages,
-    /// Which stages wait for all of those reads.
+    /// Stages that already wait for all of these reads.
     after_reads: Stages,
 }
 
@@ -35,8 +35,8 @@ impl Default for State {
     }
 }
 
-/// The barrier before each pass: at most one, and none where nothing needs it. A barrier is global, so what one resource needs
-/// also counts for all others whose accesses it covers. Before the first pass everything is idle and visible.
+/// Barrier before each pass: at most one, and none if no hazard needs it. Barriers are global, so one that a resource needs also counts for
+/// all other resources whose accesses it covers. Before the first pass everything is idle and visible.
 pub fn plan(passes: &[Vec<Access>]) -> Vec<Option<Barrier>> {
     let count = passes.iter().flatten().map(|access| access.resource + 1).max().unwrap_or(0);
     let mut states = vec![State::default(); count];
@@ -49,14 +49,14 @@ fn step(states: &mut [State], accesses: &[Access]) -> Option<Barrier> {
     for access in accesses {
         let state = &states[access.resource];
         let seen = |(stages, kinds): &(Stages, Accesses)| stages.contains(access.stages) && kinds.contains(access.accesses);
-        // Read after write, and write after write.
+        // Read after write, and write after write: needs memory visibility.
         if !state.write_stages.is_empty() && !state.visible.iter().any(seen) {
             barrier.from |= state.write_stages;
             barrier.written |= state.write_accesses;
             barrier.to |= access.stages;
             barrier.needed |= access.accesses;
         }
-        // Write after read: execution alone.
+        // Write after read: needs an execution dependency alone.
         let writes = access.accesses.intersects(Accesses::WRITES);
         if writes && !state.read_stages.is_empty() && !state.after_reads.contains(access.stages) {
             barrier.from |= state.read_stages;
@@ -175,7 +175,7 @@ mod tests {
         assert!(barriers[2].is_some() && barriers[3].is_some());
     }
 
-    /// Every hazard of random frames is ordered by some barrier between its two passes; checked without the planner's own state.
+    /// Every hazard of random frames is ordered by a barrier between its two passes; checked without the planner's own state.
     #[test]
     fn every_hazard_of_a_thousand_random_frames_is_covered() {
         let mut seed = 1u32;

@@ -1,10 +1,10 @@
-//! Images and buffers of a sequence of frames: they are lent to each frame's resources by name and shape.
+//! Pool of the images and buffers of a sequence of frames, lent to each frame's resources by name and shape.
 
 use crate::gpu::{BufferId, Gpu, ImageDesc, ImageId};
 use anyhow::Result;
 use std::collections::HashMap;
 
-/// What a lent buffer is for.
+/// Purpose of a lent buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum BufferKind {
     Device,
@@ -17,34 +17,34 @@ struct Lent<T> {
     frame: u64,
 }
 
-/// What a sequence of frames keeps from one to the next: memory, and what [`Graph::history`](super::Graph::history) holds. Two sequences
-/// on one [`Engine`](super::Engine) have a pool each; the device owns what is in it.
+/// State of a sequence of frames: memory, and the contents of [`Graph::history`](super::Graph::history). Each sequence on an
+/// [`Engine`](super::Engine) has its own pool; the device owns the resources.
 #[derive(Default)]
 pub struct Pool {
     frame: u64,
-    /// The next frame's history is zeros.
+    /// Whether the next frame's history is zeroed.
     cut: bool,
-    /// A frame has begun, and has not ended well.
+    /// Whether a frame has begun and has not ended successfully.
     is_running: bool,
     images: HashMap<(String, ImageDesc), Lent<ImageId>>,
     buffers: HashMap<(String, u64, BufferKind), Lent<BufferId>>,
-    /// Buffers whose contents stay from frame to frame, by name and size.
+    /// Buffers whose contents are kept from frame to frame, by name and size.
     history: HashMap<(String, u64), Lent<BufferId>>,
 }
 
 impl Pool {
-    /// The next frame starts anew: its history is zeros.
+    /// Ends the sequence: the next frame's history is zeroed.
     pub fn cut(&mut self) {
         self.cut = true;
     }
 
-    /// Begins a frame: everything may be lent again. After a frame that failed, history is what nobody knows.
+    /// Begins a frame: all resources may be lent again. After a failed frame the history is undefined, so it is cut.
     pub(super) fn begin(&mut self) {
         self.frame += 1;
         self.cut |= std::mem::replace(&mut self.is_running, true);
     }
 
-    /// Images of these names and shapes; those that are new are made together.
+    /// Lends images of these names and shapes; new ones are created together.
     pub(super) fn images(&mut self, gpu: &mut Gpu, wanted: &[(String, ImageDesc)]) -> Result<Vec<ImageId>> {
         let missing: Vec<&(String, ImageDesc)> = wanted.iter().filter(|key| !self.images.contains_key(*key)).collect();
         let descs: Vec<(&str, ImageDesc)> = missing.iter().map(|(name, desc)| (name.as_str(), *desc)).collect();
@@ -62,7 +62,7 @@ impl Pool {
         Ok(ids)
     }
 
-    /// A buffer of this name and size.
+    /// Lends a buffer of this name and size.
     pub(super) fn buffer(&mut self, gpu: &mut Gpu, name: &str, bytes: u64, kind: BufferKind) -> Result<BufferId> {
         let key = (name.to_owned(), bytes, kind);
         if let Some(lent) = self.buffers.get_mut(&key) {
@@ -79,8 +79,7 @@ impl Pool {
         Ok(id)
     }
 
-    /// A buffer of this name and size that holds what the frame before left in it; beside it, whether there is no such thing and it
-    /// starts with zeros.
+    /// Lends the history buffer of this name and size, and returns whether it must be zeroed because it is new or was cut.
     pub(super) fn history(&mut self, gpu: &mut Gpu, name: &str, bytes: u64) -> Result<(BufferId, bool)> {
         let key = (name.to_owned(), bytes);
         if let Some(lent) = self.history.get_mut(&key) {
@@ -93,8 +92,7 @@ impl Pool {
         Ok((id, true))
     }
 
-    /// Ends a frame, and frees what it did not use: a resize or another preset leaves nothing behind, and history that a frame did not
-    /// touch is gone.
+    /// Ends a frame and frees all resources that it did not use, history included. A resize or another preset leaves nothing behind.
     pub(super) fn end(&mut self, gpu: &mut Gpu) {
         (self.cut, self.is_running) = (false, false);
         let frame = self.frame;

@@ -1,4 +1,4 @@
-//! Records a frame's passes, submits them and times them.
+//! Recording, submission and timing of a frame's passes.
 
 use super::Resource;
 use super::engine::Timing;
@@ -10,14 +10,14 @@ use anyhow::{Context, Result};
 use std::collections::HashMap;
 use std::time::Instant;
 
-/// A pass with everything looked up.
+/// A pass with pipelines and resources resolved.
 pub(super) struct Ready<'g> {
     pub pass: &'g Pass,
     pub barrier: Option<Barrier>,
-    /// One for a dispatch, one a draw list for a raster pass.
+    /// One for a dispatch; one a draw list for a raster pass.
     pub steps: Vec<Step>,
     pub dump: Vec<(Resource, BufferId)>,
-    /// Images to check, and where their counts go.
+    /// Images to check, with their sizes and the slots of their counts.
     pub check: Vec<(ImageId, [u32; 3], u32)>,
 }
 
@@ -26,21 +26,21 @@ pub(super) struct Step {
     pub bound: Vec<(u32, Bound)>,
 }
 
-/// The frame's resources on the device.
+/// Resources of the frame on the device.
 pub(super) struct Placed {
     pub images: HashMap<usize, ImageId>,
     pub buffers: HashMap<usize, BufferId>,
-    /// Those of the buffers that start with zeros.
+    /// Buffers that are zeroed when the frame begins.
     pub zeroed: Vec<BufferId>,
 }
 
-/// How long passes took, and when they ran.
+/// Times of the passes.
 pub(super) struct Timed {
-    /// Milliseconds of each pass.
+    /// Time of each pass, milliseconds.
     pub times: Vec<(&'static str, f64)>,
-    /// When each began, milliseconds after the first.
+    /// Begin of each pass, milliseconds after the first.
     pub begins: Vec<f64>,
-    /// When the host handed the first of them to the driver, which is just before it began.
+    /// Host time of submission of the first pass, which is just before it began.
     pub submitted: Instant,
 }
 
@@ -62,7 +62,7 @@ pub(super) fn run(
     crumbs: BufferId,
     read_backs: &[(Resource, BufferId)],
 ) -> Result<Timed> {
-    // The recorder borrows the device, so what it looks up there is looked up first.
+    // Looked up first, since the recorder borrows the device.
     let local_sizes: Vec<[u32; 3]> = ready.iter().map(|r| r.steps.first().map_or([1; 3], |step| gpu.local_size(step.pipeline))).collect();
     gpu.write_upload_buffer(crumbs, &vec![0; 4 * ready.len()]);
     let record_pass = |commands: &mut Commands<'_>, i: usize| record(commands, &ready[i], local_sizes[i], placed);
@@ -93,7 +93,7 @@ pub(super) fn run(
                 if timing == Timing::Isolated {
                     commands.barrier(&Barrier::FULL);
                 }
-                // On a software driver a timestamp only takes effect at the next flush, which the second one brings.
+                // Stamped twice: on a software driver a timestamp takes effect only at the next flush, which the second one causes.
                 commands.stamp();
                 commands.stamp();
             };
@@ -112,7 +112,7 @@ pub(super) fn run(
         }),
         Timing::Serial => Ok(()),
     };
-    // Begin and time of each pass, and when the first was submitted.
+    // Begin and time of each pass, and host time of the first submission.
     let serial = |gpu: &mut Gpu| -> Result<(Vec<[f64; 2]>, Instant)> {
         gpu.submit("a frame", prologue)?;
         let first = Instant::now();
@@ -131,7 +131,7 @@ pub(super) fn run(
     };
     let timed = result.and_then(|()| match timing {
         Timing::Serial => serial(gpu),
-        // A graph may only bring back what it kept.
+        // A graph may consist of read-backs alone.
         _ if ready.is_empty() => Ok((Vec::new(), gpu.submitted())),
         _ => {
             let stamps = gpu.timestamps(4 * ready.len() as u32)?;
@@ -140,7 +140,7 @@ pub(super) fn run(
         }
     });
     let (times, submitted) = match timed {
-        // Where passes overlap, one that has left its mark may not be the last.
+        // If passes overlap, the last one that left its mark may not be the last that ran.
         Err(error) if exit_code(&error) == Exit::DeviceLost && timing == Timing::Overlapped => {
             return Err(error).context("rendering (--timing serial would tell which pass was the last)");
         }
@@ -158,7 +158,7 @@ pub(super) fn run(
     })
 }
 
-/// What a pass touches, for the plan.
+/// Accesses of a pass, for the plan.
 pub(super) fn accesses(pass: &Pass) -> Vec<Access> {
     let stages = match pass.work {
         Work::Compute(_) => Stages::COMPUTE,
@@ -231,7 +231,7 @@ fn record(commands: &mut Commands<'_>, ready: &Ready<'_>, local_size: [u32; 3], 
     commands.end_label();
 }
 
-/// Copies and counts what a pass has written, outside its time.
+/// Copies and checks the outputs of a pass, outside of its time.
 fn watch(commands: &mut Commands<'_>, ready: &Ready<'_>, placed: &Placed, checker: Option<(PipelineId, BufferId)>) {
     if ready.dump.is_empty() && ready.check.is_empty() {
         return;
@@ -244,7 +244,7 @@ fn watch(commands: &mut Commands<'_>, ready: &Ready<'_>, placed: &Placed, checke
         for (image, size, slot) in &ready.check {
             let sampled = Bound::SampledImage { image: *image, array: true, sampler: Sampler::Nearest };
             commands.bind(pipeline);
-            // In the order of the shader's names: counts, image.
+            // Bindings are in the order of the shader's names: counts, image.
             commands.push_descriptors(pipeline, &[(0, Bound::StorageBuffer(counts)), (1, sampled)]);
             commands.push_constants(pipeline, bytemuck::bytes_of(&CheckParams { size: *size, slot: *slot }));
             commands.dispatch([size[0].div_ceil(8), size[1].div_ceil(8), size[2]]);

@@ -1,10 +1,10 @@
-//! Structs that Rust and GLSL both know. They are spelled in both, and compared when a pipeline is made.
+//! Structs shared by Rust and GLSL. They are written in both languages, and compared when a pipeline is made.
 
 use crate::gpu::{Block, BlockMember};
 use anyhow::{Result, bail};
 use bytemuck::Pod;
 
-/// A member of a [`ShaderStruct`]: sizes in bytes.
+/// A member of a [`ShaderStruct`]; offset and size in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Member {
     pub name: &'static str,
@@ -12,8 +12,8 @@ pub struct Member {
     pub bytes: usize,
 }
 
-/// A `#[repr(C)]` struct whose GLSL twin has the same members at the same offsets under `layout(scalar)`. Numbers and vectors
-/// implement it without members: then only their size is compared. Use [`crate::shader_struct!`].
+/// A `#[repr(C)]` struct whose GLSL twin has the same members at the same offsets under `layout(scalar)`. Numbers and vectors implement it
+/// without members, and only their size is compared. Use [`crate::shader_struct!`].
 pub trait ShaderStruct: Pod {
     const NAME: &'static str;
     const MEMBERS: &'static [Member];
@@ -49,7 +49,7 @@ impl ShaderStruct for [f32; 4] {
     const MEMBERS: &'static [Member] = &[];
 }
 
-/// Declares structs that shaders know too: `shader_struct! { /// doc \n pub struct Name { pub member: Type } }`.
+/// Declares structs that shaders share: `shader_struct! { /// doc \n pub struct Name { pub member: Type } }`.
 #[macro_export]
 macro_rules! shader_struct {
     ($( $(#[$meta:meta])* $vis:vis struct $name:ident { $( $(#[$member_meta:meta])* $member_vis:vis $member:ident : $ty:ty ),* $(,)? } )*) => {

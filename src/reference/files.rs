@@ -1,4 +1,4 @@
-//! The path tracer's sums as a file, and its picture.
+//! Files of the path tracer's sums, and their picture.
 
 use super::{Sum, Sums};
 use crate::color::{linear_to_srgb8, luminance};
@@ -10,7 +10,7 @@ use anyhow::Result;
 use glam::Vec3;
 use std::path::Path;
 
-/// Keeps sums with what they are of; whole numbers of bits, so that going on from them is as if nothing had been between.
+/// Saves sums with their identity, bit by bit, so that a resumed run equals one without interruption.
 pub fn save_sums(path: &Path, identity: &str, sums: &Sums) -> Result<()> {
     let planes = sums.texels.chunks_exact(sums.pixels());
     let layer = |(name, plane): (String, &[[f32; 4]])| ExrLayer::interleaved(&name, "RGBA", 4, plane.as_flattened(), Precision::Float);
@@ -19,16 +19,17 @@ pub fn save_sums(path: &Path, identity: &str, sums: &Sums) -> Result<()> {
     write_exr(path, sums.size[0], sums.size[1], layers, &metadata)
 }
 
-/// What the planes of the sums are called in the file, in order.
+/// Names of the sums' planes in the file, in order.
 fn names(bounces: u32) -> Vec<String> {
     let layers: Vec<String> = Sum::all(bounces).into_iter().map(|(name, _)| name).collect();
     let rests = layers.iter().map(|name| format!("{name}.rest"));
     layers.iter().cloned().chain(rests).collect()
 }
 
-/// Sums that [`save_sums`] kept.
+/// Loads sums that [`save_sums`] saved.
 ///
-/// Fails with `BadInput` where there are none, or they are of something else than `identity`, `size` and `bounces` say.
+/// # Errors
+/// `BadInput` if there is no such file, or if its identity, size or number of bounces differs.
 pub fn load_sums(path: &Path, identity: &str, size: [u32; 2], bounces: u32) -> Result<Sums> {
     let name = path.display();
     if !path.exists() {
@@ -68,7 +69,7 @@ pub fn load_sums(path: &Path, identity: &str, size: [u32; 2], bounces: u32) -> R
     Ok(sums)
 }
 
-/// The picture of the sums as `compose/sum` makes it: exposed, tone-mapped, sRGB-encoded RGBA bytes.
+/// Picture of the sums as `compose/sum` makes it: exposed, tone-mapped, sRGB-encoded RGBA bytes.
 pub fn develop(sums: &Sums, config: &ComposeConfig) -> Vec<u8> {
     let pixel = |texel: [f32; 4]| {
         let empty = 1.0 - texel[3].clamp(0.0, 1.0);

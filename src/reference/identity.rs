@@ -1,10 +1,10 @@
-//! What a truth is of.
+//! Identity of a ground truth.
 
 use super::Settings;
 use crate::config::Config;
 use crate::scene::Scene;
 
-/// A hash of all of a scene that light depends on.
+/// Hash of all parts of a scene that light depends on.
 pub fn scene_digest(scene: &Scene) -> String {
     let mut hasher = blake3::Hasher::new();
     hasher.update(bytemuck::cast_slice(&scene.vertices)).update(bytemuck::cast_slice(&scene.indices));
@@ -20,13 +20,12 @@ pub fn scene_digest(scene: &Scene) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// What must be the same for a run to go on from an earlier one: a hash of the scene's [`scene_digest`] and of all else that its
-/// light depends on, beside the shader.
+/// Condition for resuming a run: a hash of the [`scene_digest`] and of all other inputs that light depends on, except the shader.
 pub fn identity(config: &Config, settings: Settings, digest: &str) -> String {
     blake3::hash(identified(config, settings, digest).as_bytes()).to_hex().to_string()
 }
 
-/// What [`identity`] hashes. A test pins it: truths are kept for years under it, and renaming a type must not lose them.
+/// Text that [`identity`] hashes. A test pins it: ground truths are kept for years under it, and renaming a type must not invalidate them.
 fn identified(config: &Config, settings: Settings, digest: &str) -> String {
     let config = (&config.camera, &config.light, &config.materials, config.frame.size, config.frame.fps, config.frame.seed);
     format!("{digest} {config:?} {settings:?}")

@@ -1,8 +1,8 @@
 //! Ground truth: a progressive path tracer on the same scene, lights and camera as the rasterized frame.
 //!
-//! [`Tracer`] adds path after path to [`Sums`] that stay on the device; what a pixel's n-th path does depends on the seed, the pixel
-//! and n alone, so that the same seed gives the same bytes however the work was cut up, stopped and resumed. Direct light is
-//! what the first surface reflects of what shines by itself; bounce k is what it reflects after k more surfaces.
+//! [`Tracer`] adds path after path to [`Sums`] that stay on the device. A pixel's n-th path depends on the seed, the pixel and n alone, so
+//! a seed gives the same bytes however the work was divided, stopped and resumed. Direct light is light of emitters that the first surface
+//! reflects; bounce k is light that it reflects after k more surfaces.
 
 mod files;
 mod identity;
@@ -46,28 +46,28 @@ shader_struct! {
     }
 }
 
-/// Indirect bounces that can be asked for: more would run into the limit that a software driver sets to a shader's loops.
+/// Largest number of indirect bounces: more would run into a software driver's limit of loop turns.
 pub const MOST_BOUNCES: u32 = 64;
 
-/// What to trace, beside the config.
+/// Settings of the tracer beside the config.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Layers of indirect light; 0 is direct light alone.
     pub bounces: u32,
-    /// The frame of the config's camera path and lights, and of the scene's animation.
+    /// Frame of the config's camera path and lights, and of the scene's animation.
     pub frame_index: u32,
-    /// The bound of the VPLs' light (`gather.min_distance`) on each bounce, metres; 0 is the truth.
+    /// The VPLs' bound (`gather.min_distance`) applied to each bounce, metres; 0 is the unbiased truth.
     pub min_distance: f32,
-    /// Through the middles of the pixels, as a rasterized frame looks, and not all over them.
+    /// Paths go through pixel centres, as in a rasterized frame, instead of being spread over pixels.
     pub centered: bool,
 }
 
-/// The only way to the truth.
+/// The one method of ground truth.
 pub fn method() -> Method {
     Method::only("reference", "path", NOTHING)
 }
 
-/// A path tracer at work on a scene. The device owns its sums.
+/// A path tracer of a scene. The device owns its sums.
 pub struct Tracer {
     view: View,
     lights: Vec<Projector>,
@@ -76,23 +76,24 @@ pub struct Tracer {
     emitter_chance: f32,
     seed: u32,
     settings: Settings,
-    /// Of the frame, seconds.
+    /// Time of the frame, seconds.
     time: f64,
     sums: ImageId,
     samples: u32,
-    /// Bytes of what the last submission had, by name.
+    /// Bytes of the last submission's resources, by name.
     memory: Vec<(String, u64)>,
-    /// Rows of pixels that the next submission traces; it adapts itself to the device.
+    /// Rows of pixels of the next submission; adapted to the device's speed.
     pub rows_at_once: u32,
 }
 
-/// A submission takes about so long: short enough for a display's watchdog and for stopping, long enough to cost nothing.
+/// Target time of a submission: short enough for a display's watchdog and for stopping, long enough to hide its overhead.
 const SUBMISSION_SECONDS: f64 = 0.25;
 
 impl Tracer {
-    /// A tracer that has traced nothing yet, or goes on from `sums`.
+    /// A tracer without paths, or one that continues from `sums`.
     ///
-    /// Fails where the device cannot hold the sums, and where the config's lights are too many.
+    /// # Errors
+    /// `BadInput` if there are too many lights or pixels, and the device's own if it cannot hold the sums.
     pub fn new(renderer: &mut Renderer, config: &Config, settings: Settings, sums: Option<&Sums>) -> Result<Self> {
         let time = view::seconds(config, settings.frame_index);
         renderer.set_time_of_rays(time)?;
@@ -100,7 +101,7 @@ impl Tracer {
         let lights = renderer.lights(config, settings.frame_index);
         let mut projectors = Vec::new();
         for light in &lights {
-            // All faces of a point light are one light here.
+            // A point light is one light here, not six faces.
             let faces = Projector::of_lights(&[*light], [1, 1], renderer.world().device().bounds, renderer.world().device().bounds);
             projectors.extend(faces.first());
         }
@@ -169,12 +170,12 @@ impl Tracer {
         })
     }
 
-    /// Paths that each pixel has had.
+    /// Paths a pixel so far.
     pub fn samples(&self) -> u32 {
         self.samples
     }
 
-    /// Bytes of every resource of the tracer's own, by name, as of its last sample.
+    /// Bytes of each of the tracer's own resources, by name, as of its last sample.
     pub fn memory(&self) -> &[(String, u64)] {
         &self.memory
     }
@@ -183,7 +184,7 @@ impl Tracer {
         ([self.view.width, self.view.height], 2 * Sum::count(self.settings.bounces))
     }
 
-    /// One more path through every pixel. How many rays that took, and the device's time in milliseconds.
+    /// Traces one more path through every pixel. Returns the number of rays, and the device's time in milliseconds.
     pub fn sample(&mut self, renderer: &mut Renderer, execution: &Execution) -> Result<(u64, f64)> {
         let (mut rays, mut ms) = (0, 0.0);
         let mut row = 0;
@@ -255,7 +256,7 @@ impl Tracer {
         Ok((u64::from(rays), outcome.times.iter().map(|(_, ms)| ms).sum()))
     }
 
-    /// The sums so far.
+    /// Sums so far.
     pub fn sums(&self, renderer: &mut Renderer) -> Result<Sums> {
         let mut g = Graph::new();
         let (size, layers) = self.sums_size();
@@ -266,8 +267,7 @@ impl Tracer {
         Ok(Sums { size, bounces: self.settings.bounces, samples: self.samples, texels })
     }
 
-    /// Normal and distance along the view's axis, and position, of what the middle of each pixel shows; zeros where it shows
-    /// nothing.
+    /// Features at pixel centres: normal with distance along the view's axis, and position; zeros without a surface.
     pub fn features(&self, renderer: &mut Renderer) -> Result<Features> {
         renderer.set_time_of_rays(self.time)?;
         let mut g = Graph::new();
@@ -292,19 +292,19 @@ impl Tracer {
         Ok(Features { normals_and_distances: vectors(normals), positions: vectors(positions) })
     }
 
-    /// Compiles the shaders and makes the pipelines.
+    /// Compiles the shaders and creates the pipelines.
     pub fn prepare(&mut self, renderer: &mut Renderer) -> Result<()> {
         self.rows(renderer, &Execution::default(), self.view.height, 1).map(|_| ())
     }
 
-    /// Gives the memory of the sums back.
+    /// Frees the memory of the sums.
     pub fn free(self, renderer: &mut Renderer) {
         renderer.engine().gpu.free_image(self.sums);
     }
 }
 
-/// How many rows a submission should trace, after one of `rows` took so long: in whole workgroups, at least one of them, and at
-/// most twice as many as before, since one measurement may be a stray.
+/// Rows of the next submission, after one of `rows` took `seconds`: whole workgroups, at least one, and at most twice as many as before,
+/// since one measurement may be an outlier.
 fn fitting_rows(rows: u32, seconds: f64, height: u32) -> u32 {
     let fitting = f64::from(rows) * SUBMISSION_SECONDS / seconds.max(1e-6);
     let most = rows.saturating_mul(2).min(height).max(8);
@@ -322,18 +322,18 @@ fn power(light: &Light, bounds: Aabb) -> f32 {
     }
 }
 
-/// How often a light is looked for among the emitting surfaces: by their share of the power, but each kind now and then, since
-/// either may be all that a corner of the scene gets.
+/// Probability of sampling an emitting surface instead of a light: its share of the power, limited to [0.1, 0.9], since either kind may be
+/// the only one that lights a part of the scene.
 fn emitter_chance(emitters: f32, lights: f32) -> f32 {
     if emitters == 0.0 || lights == 0.0 { f32::from(emitters > 0.0) } else { (emitters / (emitters + lights)).clamp(0.1, 0.9) }
 }
 
-/// What the middles of the pixels show, row by row from the top.
+/// Features at pixel centres, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Features {
-    /// World shading normal, and distance along the view's axis, metres.
+    /// World-space shading normal, and distance along the view's axis, metres.
     pub normals_and_distances: Vec<[f32; 4]>,
-    /// World position, metres; the fourth number is 1 where there is a surface.
+    /// World-space position, metres; the fourth number is 1 if there is a surface.
     pub positions: Vec<[f32; 4]>,
 }
 

@@ -1,18 +1,18 @@
-//! What the path tracer adds up, and what follows from it: means, variances, errors.
+//! Sums of the path tracer, with means, variances and errors.
 
-/// A layer of the sums, as `glsl/reference/path.comp` numbers them.
+/// A layer of the sums, numbered as in `glsl/reference/path.comp`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sum {
-    /// All light; the fourth channel counts the paths that met a surface.
+    /// All light; the fourth channel counts the paths that hit a surface.
     Radiance,
-    /// Sum of the squared differences of the radiance from its mean (Welford 1962).
+    /// Sum of squared differences of the radiance from its mean (Welford 1962).
     Spread,
-    /// Indirect irradiance of the first surface, where it reflects diffusely.
+    /// Indirect irradiance of the first surface, if it reflects diffusely.
     Irradiance,
     /// Base colour of the first surface.
     Albedo,
     Direct,
-    /// What the first surface reflects after so many more surfaces; from 1.
+    /// Light that the first surface reflects after this many more surfaces; from 1.
     Bounce(u32),
 }
 
@@ -28,12 +28,12 @@ impl Sum {
         }
     }
 
-    /// Layers of a tracer of so many bounces.
+    /// Number of layers for this many bounces.
     pub fn count(bounces: u32) -> u32 {
         5 + bounces
     }
 
-    /// Every layer of a tracer of so many bounces, in order, by the name it is kept under.
+    /// All layers for this many bounces in order, with their names in files.
     pub fn all(bounces: u32) -> Vec<(String, Self)> {
         let named = [("radiance", Self::Radiance), ("spread", Self::Spread), ("irradiance", Self::Irradiance), ("albedo", Self::Albedo)];
         let mut all: Vec<_> = named.into_iter().map(|(name, layer)| (name.to_owned(), layer)).collect();
@@ -43,8 +43,8 @@ impl Sum {
     }
 }
 
-/// Sums over the paths of every pixel: four numbers a pixel, row by row from the top, layer by layer; then once more as many layers
-/// with what rounding left out of each.
+/// Sums over the paths of every pixel: four numbers a pixel, row by row from the top, layer by layer. The same number of layers with
+/// rounding errors follows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sums {
     pub size: [u32; 2],
@@ -55,13 +55,13 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// Of no path.
+    /// Empty sums.
     pub fn new(size: [u32; 2], bounces: u32) -> Self {
         let pixels = size[0] as usize * size[1] as usize;
         Self { size, bounces, samples: 0, texels: vec![[0.0; 4]; 2 * pixels * Sum::count(bounces) as usize] }
     }
 
-    /// Of the image that holds them.
+    /// Layers of the image that holds the sums.
     pub fn image_layers(&self) -> u32 {
         2 * Sum::count(self.bounces)
     }
@@ -70,7 +70,7 @@ impl Sums {
         self.size[0] as usize * self.size[1] as usize
     }
 
-    /// A layer's sums.
+    /// Sums of a layer.
     pub fn layer(&self, layer: Sum) -> Vec<[f64; 4]> {
         let (at, rest_at) = (layer.index(), layer.index() + Sum::count(self.bounces) as usize);
         let plane = |at: usize| &self.texels[at * self.pixels()..][..self.pixels()];
@@ -78,13 +78,13 @@ impl Sums {
         plane(at).iter().zip(plane(rest_at)).map(both).collect()
     }
 
-    /// A layer's means.
+    /// Means of a layer.
     pub fn mean(&self, layer: Sum) -> Vec<[f32; 4]> {
         let n = f64::from(self.samples.max(1));
         self.layer(layer).into_iter().map(|texel| texel.map(|sum| (sum / n) as f32)).collect()
     }
 
-    /// All bounces together.
+    /// Mean indirect light: all bounces.
     pub fn indirect(&self) -> Vec<[f32; 4]> {
         let mut sum = vec![[0.0; 4]; self.pixels()];
         for k in 1..=self.bounces {
@@ -95,20 +95,20 @@ impl Sums {
         sum
     }
 
-    /// Variance of the mean radiance; infinite where there is one path alone, since it tells nothing of it.
+    /// Variance of the mean radiance; infinite for fewer than two paths, which give no estimate.
     pub fn variance(&self) -> Vec<[f32; 3]> {
         let n = f64::from(self.samples);
         let of = |spread: f64| if self.samples > 1 { (spread.max(0.0) / (n * (n - 1.0))) as f32 } else { f32::INFINITY };
         self.layer(Sum::Spread).iter().map(|texel| [of(texel[0]), of(texel[1]), of(texel[2])]).collect()
     }
 
-    /// Root mean square over pixels and channels of the standard error, over the mean of the radiance: the relative error that
-    /// `--target-error` asks for. Infinite as long as it is unknown.
+    /// Relative error for `--target-error`: root mean square of the standard error over pixels and channels, over the mean radiance.
+    /// Infinite while unknown.
     pub fn relative_error(&self) -> f64 {
         let mean = self.mean(Sum::Radiance).iter().flat_map(|texel| texel[..3].to_vec()).map(f64::from).sum::<f64>();
         let variance = self.variance().iter().flatten().map(|v| f64::from(*v)).sum::<f64>();
         let count = 3.0 * self.pixels() as f64;
-        // A picture that is still black may have light that no path has found.
+        // A black picture may have light that no path has found yet.
         if self.samples < 2 || mean == 0.0 { f64::INFINITY } else { (variance / count).sqrt() / (mean / count) }
     }
 }

@@ -1,5 +1,5 @@
-//! Light that goes on from VPLs (Aranha, Macedo and Apolinario, "Screen-space VPL propagation"): VPLs in clusters, a paraboloid map of what
-//! each cluster sees, and VPLs of the next bounce where samples of the maps lie.
+//! Further bounces from VPLs (Aranha, Macedo and Apolinario, "Screen-space VPL propagation"): k-means puts VPLs into clusters, a paraboloid
+//! map is rendered for each cluster, and samples of the maps become the VPLs of the next bounce.
 
 use super::facts::{Facts, planned_turns};
 use super::methods::{Choice, Needs};
@@ -19,14 +19,15 @@ shader_struct! {
         pub position: [f32; 3],
         /// Octahedral, two signed normalized 16-bit numbers.
         pub normal: u32,
-        /// Flux of its VPLs, W: the sum of flux_i * kept_i / kept_representative; kept = share that stays in the scene, 1 if unknown.
+        /// Flux of its VPLs, W: the sum of flux_i * kept_i / kept_representative, where kept is the share of a VPL's light that stays in
+        /// the scene, 1 if unknown.
         pub flux: [f32; 3],
         pub members: u32,
-        /// Mean square of their distance from the cluster's mean, m^2.
+        /// Mean squared distance of its members from the cluster's mean, m^2, weighted by kept.
         pub spread: f32,
     }
 
-    /// What k-means keeps of a cluster from frame to frame.
+    /// State of a cluster that k-means keeps from frame to frame.
     struct Centre {
         position: [f32; 3],
         normal: [f32; 3],
@@ -71,25 +72,25 @@ shader_struct! {
     }
 }
 
-/// VPLs of one bounce, and their clusters where something needs them.
+/// VPLs of one bounce, and their clusters if a later stage needs them.
 #[derive(Debug, Clone, Copy)]
 pub struct Bounce {
     pub vpls: Vpls,
     pub clusters: Option<VplClusters>,
 }
 
-/// Clusters of VPLs, and what each sees: a layer of the maps each.
+/// VPL clusters, with one paraboloid map a cluster: layer i of the images is the map of cluster i.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VplClusters {
     pub count: u32,
     pub clusters: Buffer,
-    /// The cluster of each VPL; all bits set for those without light.
+    /// Cluster of each VPL; all bits set for a VPL without light.
     pub labels: Buffer,
-    /// Distance over `far`; 1 where there is nothing.
+    /// Distance over `far`; 1 where the map sees no surface.
     pub distances: Image,
-    /// Geometric normals, turned to the cluster; octahedral.
+    /// Geometric normals, octahedral, flipped to face the cluster's representative.
     pub normals: Image,
-    /// Diffuse albedo, averaged over the area that a VPL stands for; 0 on the back of a single-sided surface.
+    /// Diffuse albedo, averaged over a VPL's footprint; 0 on the back of a single-sided surface.
     pub albedos: Image,
     /// Side of a map, texels.
     pub size: u32,
@@ -97,17 +98,17 @@ pub struct VplClusters {
     pub far: f32,
 }
 
-/// Turns of k-means' loops that an invocation may make.
+/// Loop turns of an invocation that k-means plans with.
 const MOST_TURNS: u64 = planned_turns(50_000);
 
-/// Turns of a round of it.
+/// Loop turns of one round of k-means.
 fn turns_a_round(vpls: u32, clusters: u32) -> u64 {
     let (vpls, clusters) = (u64::from(vpls), u64::from(clusters));
     let parts = 256 / clusters;
     vpls.div_ceil(256) * (clusters + 1) + vpls.div_ceil(parts) + parts + 256 + clusters
 }
 
-/// Rounds of k-means that a frame can have with so many VPLs and clusters.
+/// Rounds of k-means that fit into a frame with this many VPLs and clusters, at most 64.
 pub fn most_rounds(vpls: u32, clusters: u32) -> u32 {
     let first_centres = u64::from(clusters) * (u64::from(vpls).div_ceil(256) + 257);
     // One more loop over the VPLs ends it.
@@ -128,12 +129,12 @@ impl Choice for Layers {
     }
 }
 
-/// Whether a config's frames put VPLs into clusters.
+/// Whether frames of a config cluster VPLs: for further bounces, or for visibility.
 pub fn has_clusters(config: &Config) -> bool {
     config.bounce.count > 1 || config.visibility.method == VisibilityMethod::Clusters
 }
 
-/// Refuses more VPLs than k-means takes on every driver.
+/// Refuses counts of VPLs that leave k-means less than one round within `MOST_TURNS`.
 pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     if !has_clusters(config) {
         return Ok(());
@@ -151,7 +152,7 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     Ok(())
 }
 
-/// What a user should know of how a config's clusters are made.
+/// Warnings about a config's clusters: large triangles, and fewer rounds of k-means than asked for.
 pub fn warnings(config: &Config, vpls: u32) -> Vec<String> {
     if !has_clusters(config) {
         return Vec::new();
@@ -164,7 +165,7 @@ pub fn warnings(config: &Config, vpls: u32) -> Vec<String> {
     warnings.into_iter().flatten().map(str::to_owned).collect()
 }
 
-/// The config's bounces, the first one's VPLs being given.
+/// All bounces of the config, from the VPLs of the first one.
 pub fn propagate(g: &mut Graph, scene: FrameScene<'_>, first: Vpls, wants: &Wants, config: &BounceConfig) -> Vec<Bounce> {
     let mut bounces = vec![Bounce { vpls: first, clusters: None }];
     for next in 2..=config.count {
@@ -182,7 +183,7 @@ pub fn propagate(g: &mut Graph, scene: FrameScene<'_>, first: Vpls, wants: &Want
     bounces
 }
 
-/// Puts VPLs into clusters and renders what these see.
+/// Clusters VPLs and renders the clusters' maps.
 fn clusters(g: &mut Graph, scene: FrameScene<'_>, vpls: &Vpls, seed: u32, config: &BounceConfig) -> VplClusters {
     let (count, map_size) = (config.clusters.count, config.clusters.map_size);
     let far = scene.bounds().size().length();
@@ -202,8 +203,8 @@ fn clusters(g: &mut Graph, scene: FrameScene<'_>, vpls: &Vpls, seed: u32, config
     clusters
 }
 
-/// k-means over position and normal (section III-B). Counts `bounce/rounds`, and `bounce/unsettled`, 1 where the last
-/// of them still moved a VPL to another cluster.
+/// k-means over position and normal (section III-B). Counts `bounce/rounds`, and `bounce/unsettled`: 1 if the last round still moved a VPL
+/// to another cluster.
 fn k_means(g: &mut Graph, vpls: &Vpls, clusters: &VplClusters, config: &BounceConfig, seed: u32) {
     let centres = g.history::<Centre>("bounce/centres", clusters.count);
     let frames = g.history::<u32>("bounce/frames", 1);
@@ -236,7 +237,7 @@ fn k_means(g: &mut Graph, vpls: &Vpls, clusters: &VplClusters, config: &BounceCo
         .dispatch_groups([1, 1, 1]);
 }
 
-/// The layers of all clusters (section III-C), filled in the config's way.
+/// Maps of all clusters (section III-C); `bounce.layers` says how layers are reached.
 fn draw(g: &mut Graph, scene: FrameScene<'_>, clusters: &VplClusters, config: &BounceConfig) {
     let count = clusters.count;
     let depth = g.layered_image("bounce/depth", Format::Depth32, [clusters.size; 2], count);
@@ -295,8 +296,8 @@ fn draw(g: &mut Graph, scene: FrameScene<'_>, clusters: &VplClusters, config: &B
         .draw(parts.lists);
 }
 
-/// The scene's parts with an instance for each of the clusters (first and number) whose hemisphere they reach into, or for each group of so
-/// many; beside them, which cluster or group each part's instances are for.
+/// Draw lists of the scene's parts, culled by the clusters `first..first + count`: a part gets one instance a group of `group` clusters if
+/// it reaches into the hemisphere of one of them. The buffer says which cluster or group each instance belongs to.
 fn seen_parts(g: &mut Graph, scene: FrameScene<'_>, clusters: &VplClusters, [first, count]: [u32; 2], group: u32) -> (Parts, Buffer) {
     let parts = scene.parts(g, "bounce", Maps::Reflection);
     let layers = g.buffer::<u32>("bounce/layers", parts.count.max(1) * count);
@@ -313,7 +314,7 @@ fn seen_parts(g: &mut Graph, scene: FrameScene<'_>, clusters: &VplClusters, [fir
 }
 
 /// VPLs of the next bounce: samples of the clusters' maps (section III-C), with the flux that the cluster sends there. Counts
-/// `bounce/wasted`, samples that lie beside a map's disk, and `bounce/lit`, VPLs that have flux.
+/// `bounce/wasted`, samples outside of a map's disk, and `bounce/lit`, VPLs with flux.
 fn sample(g: &mut Graph, clusters: &VplClusters, config: &BounceConfig) -> Vpls {
     let count = config.vpls;
     let vpls = Vpls {
@@ -353,7 +354,7 @@ fn sample(g: &mut Graph, clusters: &VplClusters, config: &BounceConfig) -> Vpls 
     vpls
 }
 
-/// What a user should know who renders a sequence in parts.
+/// Warning for a sequence that is rendered in parts: clusters that are kept over frames start anew in each part.
 pub fn warning_of_parts(config: &Config) -> Option<String> {
     let warning = "clusters go on from frame to frame (bounce.clusters.centers), and parts of a sequence start anew: where lights move, pictures are not those of the whole sequence";
     (has_clusters(config) && config.bounce.clusters.centers == Centers::Kept).then(|| warning.to_owned())

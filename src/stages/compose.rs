@@ -17,7 +17,7 @@ shader_struct! {
     }
 }
 
-/// The picture and what it is made of.
+/// The picture, and the images behind it.
 #[derive(Debug, Clone, Copy)]
 pub struct Composed {
     /// Radiance of the indirect light, albedo included.
@@ -28,12 +28,13 @@ pub struct Composed {
     pub image: Image,
 }
 
-/// The only way to fill the slot.
+/// The slot's one method.
 pub fn method() -> Method {
     Method::only("compose", "sum", NOTHING)
 }
 
-/// Adds direct, indirect and emitted light; the indirect times `visible`, where that is; `environment` is the radiance where there is no surface.
+/// Sums direct, indirect and emitted radiance. The indirect part is multiplied by `visible` if there is such an image; pixels without a
+/// surface show `environment`, a radiance.
 pub fn sum(
     g: &mut Graph,
     gbuffer: &GBuffer,
@@ -60,7 +61,7 @@ pub fn sum(
         .reads("emission", gbuffer.emission)
         .reads("direct", direct)
         .reads("irradiance", light.irradiance)
-        // Bound and not used where there is none.
+        // Bound to keep the layout complete; `REFLECTION` is false, so it is not read.
         .reads("reflection", light.reflection.unwrap_or(direct))
         .writes("indirect", composed.indirect)
         .writes("radiance", composed.radiance)

@@ -1,4 +1,4 @@
-//! Light that comes straight from the lights, with shadows from the depth of their reflective shadow maps.
+//! Direct light, with shadows from the depth of the reflective shadow maps, or from rays.
 
 use super::methods::{Choice, NOTHING, Needs};
 use super::rsm::Rsm;
@@ -34,7 +34,7 @@ impl Choice for Shadows {
     }
 }
 
-/// Fills the slot with the config's shadows; the image holds outgoing radiance, albedo included.
+/// Direct light with the shadows that the config chooses: an image of outgoing radiance, albedo included.
 pub fn shade(g: &mut Graph, around: Surroundings<'_>, config: &DirectConfig) -> Image {
     let Surroundings { scene, traced, gbuffer, rsm, wants, .. } = around;
     let direct = g.image("direct/radiance", Format::Rgba16Float, gbuffer.size);
@@ -66,7 +66,8 @@ pub fn shade(g: &mut Graph, around: Surroundings<'_>, config: &DirectConfig) -> 
             bias: config.bias,
             map_size: rsm.size.map(|n| n as i32),
             radius: config.blur as i32,
-            // The window's farthest texel must stay below the lifted point on a slope; the variance's mean stays on it by itself.
+            // The filter window's farthest texel must stay below the lifted point on a slope. A variance map needs no wider lift: its mean
+            // stays on the slope.
             lift: if config.shadows == Shadows::PercentageCloser { config.blur as f32 + 1.0 } else { 1.0 },
         });
     pass = match (config.shadows, traced) {
@@ -81,7 +82,7 @@ pub fn shade(g: &mut Graph, around: Surroundings<'_>, config: &DirectConfig) -> 
     direct
 }
 
-/// Mean and mean square of the distances, blurred (Donnelly and Lauritzen 2006).
+/// Mean and mean square of the distances, box-blurred: a variance shadow map (Donnelly and Lauritzen 2006).
 fn variance_moments(g: &mut Graph, rsm: &Rsm, radius: u32) -> Image {
     let [width, height] = rsm.size;
     let rows = g.layered_image("direct/moments-rows", Format::Rg32Float, rsm.size, rsm.layers);

@@ -1,13 +1,13 @@
-//! What stages hold their limits against.
+//! Numbers that stages check their limits against.
 
 use super::interleave::Interleave;
 use crate::config::{Config, VisibilityMethod};
 use crate::gpu::Adapter;
 
-/// Turns that all loops of a shader's invocation may make: llvmpipe ends them after so many, without a word.
+/// Loop turns of one shader invocation, all loops together: llvmpipe silently ends the loops after this many.
 pub const LOOP_TURNS: u64 = 65_535;
 
-/// Turns that a shader plans with; the rest is room for loops that its limit does not count.
+/// Checks a shader's planned loop turns against [`LOOP_TURNS`]; the difference is room for loops that its limit does not count.
 pub const fn planned_turns(turns: u64) -> u64 {
     assert!(turns < LOOP_TURNS);
     turns
@@ -17,30 +17,30 @@ pub const fn planned_turns(turns: u64) -> u64 {
 #[derive(Debug)]
 pub struct Facts<'f> {
     pub adapter: &'f Adapter,
-    /// Layers of the RSM: shadow maps of all lights.
+    /// Layers of the RSM: one a shadow map, of all lights.
     pub maps: u32,
-    /// Texels of all of these.
+    /// Texels of all layers.
     pub texels: u64,
     /// VPLs of the first bounce.
     pub vpls: u32,
     pub interleave: Interleave,
-    /// VPLs of the first bounce and, where there are more, of each further one.
+    /// VPLs of the first bounce and, if there are further ones, of each of these.
     pub lists: Vec<VplList>,
 }
 
 /// VPLs of a bounce.
 #[derive(Debug, Clone, Copy)]
 pub struct VplList {
-    /// The key that says how many there are.
+    /// Key of the config that gives `count`.
     pub key: &'static str,
     pub count: u32,
-    /// VPLs that each pixel sums.
+    /// VPLs that a pixel sums, at most.
     pub each: u64,
     pub visibility: VisibilityMethod,
 }
 
 impl<'f> Facts<'f> {
-    /// The numbers of a config whose lights have so many shadow maps.
+    /// Numbers of a config whose lights have `maps` shadow maps.
     pub fn of(config: &Config, adapter: &'f Adapter, maps: u32) -> Self {
         let interleave = Interleave::square(config.gather.interleave);
         let vpls = config.vpl_count(maps);

@@ -1,4 +1,4 @@
-//! Smooths what interleaving and sampling leave noisy, without crossing edges.
+//! Edge-aware filter for the noise of interleaved sampling.
 
 use super::gather::Indirect;
 use super::gbuffer::GBuffer;
@@ -26,12 +26,12 @@ impl Choice for FilterKind {
     }
 }
 
-/// Fills the slot with the config's kind.
+/// Filters the indirect light as the config says; without interleaving and without a radius of its own it returns the input.
 pub fn smooth(g: &mut Graph, gbuffer: &GBuffer, noisy: Indirect, config: &FilterConfig) -> Indirect {
     let interleave = noisy.pattern.side();
     let (weights, radius) = match config.kind {
         FilterKind::None => return noisy,
-        // Without a pattern and without a wish there is nothing to smooth.
+        // Without an interleaving pattern and without a radius in the config, there is no noise to filter.
         _ if config.radius.unwrap_or(interleave) <= 1 => return noisy,
         FilterKind::Bilateral => ("filter/weights-bilateral", interleave),
         FilterKind::Gaussian => ("filter/weights-gaussian", 2 * interleave),
@@ -45,7 +45,7 @@ pub fn smooth(g: &mut Graph, gbuffer: &GBuffer, noisy: Indirect, config: &Filter
     Indirect { irradiance, reflection, ..noisy }
 }
 
-/// Depth- and normal-aware, first along rows, then along columns (Laine et al. 2007); the part says how weights fall.
+/// Depth- and normal-aware separable filter, along rows, then along columns (Laine et al. 2007); the part `weights` gives the falloff.
 fn separable(
     g: &mut Graph,
     gbuffer: &GBuffer,

@@ -1,4 +1,4 @@
-//! What the camera sees: surfaces by pixel.
+//! The G-buffer: surfaces seen by the camera.
 
 use super::facts::Facts;
 use super::methods::Method;
@@ -10,15 +10,15 @@ use crate::world::device::{FrameScene, Maps};
 use crate::world::projection::View;
 use anyhow::Result;
 
-/// One image a property, each of the picture's size. A pixel without a surface has depth 0.
+/// Images of the picture's size, one a property. A pixel without a surface has depth 0.
 #[derive(Debug, Clone, Copy)]
 pub struct GBuffer {
-    /// The view's uniform block, from which positions are rebuilt.
+    /// Uniform block of the view, by which positions are reconstructed from depth.
     pub view: Buffer,
     pub size: [u32; 2],
-    /// Reversed and infinite: the near plane's distance over the pixel's.
+    /// Reversed depth with an infinite far plane: the near plane's distance over the pixel's.
     pub depth: Image,
-    /// Shading normal in the world, turned to the viewer; octahedral.
+    /// World-space shading normal, octahedral, flipped to face the viewer.
     pub normal: Image,
     /// Base colour, linear.
     pub albedo: Image,
@@ -27,12 +27,12 @@ pub struct GBuffer {
     pub emission: Image,
 }
 
-/// The only way to fill the slot, with what a device must have for it.
+/// The slot's one method, with the features it needs.
 pub fn method() -> Method {
     Method::only("gbuffer", "draw", &[&[Feature::MultiDrawIndirect, Feature::ShaderDrawParameters, Feature::Snorm16Images]])
 }
 
-/// Refuses pictures that are larger than the device renders to.
+/// Refuses a picture larger than the device's limits.
 pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     let [width, height] = config.frame.size;
     let limits = &facts.adapter.limits;

@@ -1,26 +1,26 @@
-//! Interleaved sampling (Keller and Heidrich 2001): the pixels of a block share out the VPLs.
+//! Interleaved sampling (Keller and Heidrich 2001): the pixels of a block take turns with the VPLs.
 
-/// A block of pixels, each of which takes another sample set of the VPLs: as many sets as pixels, across and down.
+/// A block of pixels, across and down. Each of its pixels sums another sample set of the VPLs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Interleave([u32; 2]);
 
 impl Interleave {
-    /// A block of so many pixels on each side.
+    /// A block of `side` x `side` pixels.
     pub fn square(side: u32) -> Self {
         Self([side; 2])
     }
 
-    /// Pixels on the block's side, as shaders have it in `INTERLEAVE`.
+    /// Side of the block, pixels; shaders get it as `INTERLEAVE`.
     pub fn side(self) -> u32 {
         self.0[0]
     }
 
-    /// Sample sets, which are the block's pixels.
+    /// Number of sample sets: one a pixel of the block.
     pub fn sets(self) -> u32 {
         self.0[0] * self.0[1]
     }
 
-    /// VPLs that a pixel takes of so many, at most.
+    /// VPLs of a sample set, at most.
     pub fn per_pixel(self, vpls: u32) -> u32 {
         vpls.div_ceil(self.sets())
     }
@@ -30,7 +30,7 @@ impl Interleave {
         [0, 1].map(|axis| size[axis].div_ceil(self.0[axis]))
     }
 
-    /// Workgroups that cover a picture, of one sample set each; one takes so many pixels of its set, across and down.
+    /// Workgroups that cover a picture, across and down. Each works on one sample set and takes `pixels` of its pixels.
     pub fn groups(self, size: [u32; 2], pixels: [u32; 2]) -> [u32; 2] {
         [0, 1].map(|axis| size[axis].div_ceil(pixels[axis] * self.0[axis]) * self.0[axis])
     }

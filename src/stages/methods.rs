@@ -1,4 +1,4 @@
-//! Methods that fill slots, by the keys and names of the config, and what a device must have for each.
+//! Methods that fill slots, named as in the config, and the features that a device needs for each.
 
 use crate::config::choices;
 use crate::fail;
@@ -8,38 +8,38 @@ use serde::Serialize;
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
-/// Features that a method needs, in ways of which any one will do; the first is the one that a refusal names.
+/// Alternative lists of features, of which the device needs one in full; a refusal names the first list.
 pub type Needs = &'static [&'static [Feature]];
 
 /// A method that runs on every device.
 pub const NOTHING: Needs = &[&[]];
 
-/// A key's choice of a method. It is implemented beside the stage's functions, by a `match` that names all methods.
+/// A key of the config that chooses a method. It is implemented beside the stage's functions, by a `match` that names all methods.
 pub trait Choice: Copy + Serialize + DeserializeOwned {
-    /// The key that makes the choice.
+    /// The key.
     const KEY: &'static str;
 
-    /// What a device must have for the method.
+    /// Features that the method needs.
     fn needs(self) -> Needs;
 }
 
 /// A way to fill a slot.
 #[derive(Debug, Clone)]
 pub struct Method {
-    /// Its key in the config; the slot's name where there is but one way.
+    /// Key in the config; the slot's name if there is no choice.
     pub slot: &'static str,
-    /// Its name in the config.
+    /// Name in the config.
     pub name: String,
     needs: Needs,
 }
 
 impl Method {
-    /// The only way to fill a slot.
+    /// The one method of a slot without a choice.
     pub fn only(slot: &'static str, name: &'static str, needs: Needs) -> Self {
         Self { slot, name: name.to_owned(), needs }
     }
 
-    /// A choice's method.
+    /// The chosen method.
     pub fn of<C: Choice>(choice: C) -> Self {
         let Ok(serde_json::Value::String(name)) = serde_json::to_value(choice) else { unreachable!("{} is chosen by a name", C::KEY) };
         Self { slot: C::KEY, name, needs: choice.needs() }
@@ -55,13 +55,13 @@ impl Method {
         methods.unwrap_or_else(|error| unreachable!("{}: serde knows the names: {error}", C::KEY))
     }
 
-    /// Features that the device lacks for it.
+    /// Features that the device lacks for the method.
     pub fn missing(&self, adapter: &Adapter) -> Vec<Feature> {
         let ways: Vec<Vec<Feature>> = self.needs.iter().map(|features| adapter.missing(features)).collect();
         if ways.iter().any(Vec::is_empty) { Vec::new() } else { ways.into_iter().next().unwrap_or_default() }
     }
 
-    /// Refuses the method where the device lacks something for it.
+    /// Refuses the method on a device that lacks a feature.
     pub fn check(&self, adapter: &Adapter) -> Result<()> {
         let missing = self.missing(adapter);
         if missing.is_empty() {

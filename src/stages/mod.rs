@@ -1,6 +1,6 @@
-//! The slots of the frame: a module each, named as its folder of shaders. A method that fills a slot is a function with typed
-//! inputs and outputs; what a stage makes exists only as what it returns. A stage also says what its methods need of a device, what it
-//! refuses and what it warns of, beside the functions that are the reason. `README.md` beside this file says how to add a method.
+//! Slots of the frame: one module each, named as its folder of shaders. A method that fills a slot is a function with typed inputs and
+//! outputs; its resources are reachable only through its result. A stage also says which features its methods need, which configs it
+//! refuses and what it warns of. `README.md` beside this file says how to add a method.
 
 pub mod bounce;
 pub mod compose;
@@ -28,7 +28,7 @@ use facts::Facts;
 use methods::Method;
 use std::collections::BTreeMap;
 
-/// All methods of all slots of the frame, in its order.
+/// All methods of all slots, in the frame's order.
 pub fn methods() -> Vec<Method> {
     [
         vec![gbuffer::method(), rsm::method()],
@@ -50,7 +50,7 @@ pub fn methods() -> Vec<Method> {
     .concat()
 }
 
-/// The methods that a config's frames use.
+/// Methods that a config uses.
 pub fn methods_of(config: &Config) -> Vec<Method> {
     let mut methods = vec![gbuffer::method(), rsm::method(), Method::of(config.vpls.sampler)];
     if bounce::has_clusters(config) {
@@ -66,22 +66,22 @@ pub fn methods_of(config: &Config) -> Vec<Method> {
     methods
 }
 
-/// The stages by name, in the frame's order: what stands before the slash in the name of a pass.
+/// Names of the stages, in the frame's order: the part of a pass's name before the slash.
 pub fn names() -> Vec<&'static str> {
     let mut names: Vec<&str> = methods().into_iter().map(|method| method.slot.split('.').next().unwrap_or(method.slot)).collect();
     names.dedup();
     names
 }
 
-/// Whether a config's frames trace rays.
+/// Whether a config traces rays.
 pub fn needs_rays(config: &Config) -> bool {
     visibility::needs_rays(config) || config.direct.shadows == Shadows::RayTraced
 }
 
-/// Refuses what the device cannot do under a config, by the keys that ask for it.
+/// Refuses configs that the device cannot run; errors name the key.
 ///
 /// # Errors
-/// `BadInput` for a limit, `NoDevice` for a feature that is missing.
+/// `BadInput` for a limit, `NoDevice` for a missing feature.
 pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     gbuffer::check(config, facts)?;
     rsm::check(config, facts)?;
@@ -92,22 +92,22 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     gather::check(config, facts)
 }
 
-/// What a user should know of how a config is rendered under these lights.
+/// Warnings about a config under these lights.
 pub fn warnings(config: &Config, lights: &[Light], vpls: u32) -> Vec<String> {
     [rsm::warnings(lights), bounce::warnings(config, vpls)].concat()
 }
 
-/// What a user should know who renders a config's sequence in parts.
+/// Warnings about rendering a config's sequence in parts.
 pub fn warnings_of_parts(config: &Config) -> Vec<String> {
     bounce::warning_of_parts(config).into_iter().collect()
 }
 
-/// What follows from what a frame's passes counted, by name: means a pixel, and shares.
+/// Figures derived from a frame's counters, by name: means a pixel, and shares.
 pub fn means(counts: &BTreeMap<String, u64>) -> BTreeMap<String, f64> {
     gather::means(counts)
 }
 
-/// What a user should know of how a frame went, by what its passes counted.
+/// Warnings about a frame, from its counters.
 pub fn warnings_of_frame(counts: &[(String, u64)]) -> Vec<String> {
     [visibility::warnings_of_frame(counts), gather::warnings_of_frame(counts)].concat()
 }

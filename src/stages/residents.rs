@@ -1,4 +1,4 @@
-//! What stages make once and keep over frames.
+//! Resources that stages make once and keep over frames.
 
 use super::gather::shells::{FrameShells, Shells};
 use super::visibility::triangles::{FrameTriangles, Triangles};
@@ -9,7 +9,7 @@ use crate::graph::Graph;
 use crate::scene::Scene;
 use anyhow::Result;
 
-/// One field a thing that some stage keeps; `None` until a config needs it. The device owns the buffers.
+/// One field a resource; `None` until a config needs it. The device owns the buffers.
 #[derive(Default)]
 pub struct Residents {
     shells: Option<Shells>,
@@ -17,10 +17,10 @@ pub struct Residents {
 }
 
 impl Residents {
-    /// Makes what a config's stages need and is not there. `at_rest` is the host's scene where its animation has it at second 0.
+    /// Makes missing resources of a config's stages. `at_rest` is the host's scene at second 0 of its animation.
     ///
     /// # Errors
-    /// The device's own, where memory runs out.
+    /// The device's own, when memory runs out.
     pub fn bring(&mut self, gpu: &mut Gpu, at_rest: &Scene, config: &Config) -> Result<()> {
         if self.shells.is_none() && gather::needs_shells(config) {
             self.shells = Some(Shells::upload(gpu)?);
@@ -36,7 +36,7 @@ impl Residents {
         (self.shells.is_some() || !gather::needs_shells(config)) && (self.triangles.is_some() || !visibility::needs_triangles(config))
     }
 
-    /// The residents as this frame's resources.
+    /// Imports the residents into a frame's graph.
     pub fn import(&self, g: &mut Graph) -> FrameResidents<'_> {
         FrameResidents {
             shells: self.shells.as_ref().map(|shells| shells.import(g)),
@@ -53,12 +53,12 @@ pub struct FrameResidents<'f> {
 }
 
 impl<'f> FrameResidents<'f> {
-    /// Bounding geometry of ranges.
+    /// Hulls of stochastic ranges.
     pub fn shells(&self) -> FrameShells<'f> {
         self.shells.unwrap_or_else(|| unreachable!("gather::needs_shells says who draws shells"))
     }
 
-    /// Triangles that points are made from.
+    /// Triangles that the points of imperfect shadow maps are made from.
     pub fn triangles(&self) -> FrameTriangles<'f> {
         self.triangles.unwrap_or_else(|| unreachable!("visibility::needs_triangles says who makes points"))
     }

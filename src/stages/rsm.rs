@@ -1,4 +1,4 @@
-//! Reflective shadow maps (Dachsbacher and Stamminger 2005): what each light sees, and how much of its flux arrives there.
+//! Reflective shadow maps (Dachsbacher and Stamminger 2005): the surfaces that each light sees, and the flux that arrives at each texel.
 
 use super::facts::Facts;
 use super::methods::Method;
@@ -14,7 +14,7 @@ use crate::world::projection::Projector;
 use anyhow::Result;
 use bytemuck::Zeroable;
 
-/// A map a light, as layers of the same images. A texel without a surface has depth 0 and no flux.
+/// Reflective shadow maps as layers of the same images. A texel without a surface has depth 0 and no flux.
 #[derive(Debug, Clone, Copy)]
 pub struct Rsm {
     /// The projectors, one a layer.
@@ -26,20 +26,20 @@ pub struct Rsm {
     /// Whether directional lights' maps cover all of the scene.
     pub covers_all: bool,
     pub depth: Image,
-    /// Geometric normal, turned to the light; octahedral.
+    /// Geometric normal, octahedral, flipped to face the light.
     pub normal: Image,
     /// Incident flux of the texel, W.
     pub flux: Image,
-    /// Diffuse albedo, averaged over the area that a VPL stands for; 0 on the back of a single-sided surface.
+    /// Diffuse albedo, averaged over a VPL's footprint; 0 on the back of a single-sided surface.
     pub albedo: Image,
-    /// What makes glossy VPLs; there where they are wanted.
+    /// Inputs of glossy VPLs; there if [`Wants::glossy`] says so.
     pub glossy: Option<GlossyRsm>,
 }
 
-/// What a texel reflects by GGX.
+/// GGX reflectance of the texels.
 #[derive(Debug, Clone, Copy)]
 pub struct GlossyRsm {
-    /// Fresnel reflectance along the normal, RGB, and at grazing angles, times how much of the surface is glossy.
+    /// Fresnel reflectance at normal incidence (RGB) and at grazing incidence (alpha), times the glossy share of the surface.
     pub specular: Image,
     /// Interpolated normal, octahedral, and alpha.
     pub lobe: Image,
@@ -56,13 +56,13 @@ shader_struct! {
     }
 }
 
-/// The only way to fill the slot, with what a device must have for it.
+/// The slot's one method, with the features it needs.
 pub fn method() -> Method {
     use Feature::{LayerFromVertexShader, MultiDrawIndirect, ShaderDrawParameters, Snorm16Images};
     Method::only("rsm", "draw", &[&[MultiDrawIndirect, ShaderDrawParameters, LayerFromVertexShader, Snorm16Images]])
 }
 
-/// Refuses maps that are larger than the device renders to.
+/// Refuses maps larger than the device's limits.
 pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     let [width, height] = config.rsm.size;
     let limits = &facts.adapter.limits;
@@ -73,7 +73,7 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     Ok(())
 }
 
-/// What the maps of these lights leave out.
+/// Warnings about light that the maps leave out.
 pub fn warnings(lights: &[Light]) -> Vec<String> {
     let environment = lights.iter().any(|light| matches!(light, Light::Environment { .. }));
     let wide = |light: &Light| matches!(light, Light::Spot { outer, .. } if *outer > Projector::WIDEST_SPOT);
@@ -84,7 +84,7 @@ pub fn warnings(lights: &[Light]) -> Vec<String> {
     warnings.into_iter().flatten().map(str::to_owned).collect()
 }
 
-/// Rasterizes the scene once for all lights: an instance each, which the vertex shader sends to its layer.
+/// Rasterizes the scene once for all lights, with one instance a layer; the vertex shader selects the layer.
 pub fn draw(g: &mut Graph, scene: FrameScene<'_>, lights: &[Projector], wants: &Wants, config: &RsmConfig) -> Rsm {
     let size = config.size;
     let layers = lights.len() as u32;

@@ -1,5 +1,5 @@
-//! Screen-space ambient occlusion: surfaces nearby that stand in the way of indirect light, too near for VPLs and the low resolution of
-//! their maps. One of the thesis's passes (Linke 2016, section 4.2); by horizons (Jimenez et al. 2016).
+//! Screen-space ambient occlusion, for occluders of indirect light that are too near for VPLs and for the low resolution of their maps. It
+//! is one of the thesis's passes (Linke 2016, section 4.2), here by horizons (Jimenez et al. 2016).
 
 use super::gbuffer::GBuffer;
 use super::methods::{Choice, NOTHING, Needs};
@@ -33,7 +33,7 @@ shader_struct! {
     }
 }
 
-/// Texels farther from the surface's course than this are another surface's; in units of its distance.
+/// Deviation from the surface's extrapolated depth at which a texel belongs to another surface, relative to the surface's distance.
 const TOLERANCE: f32 = 0.01;
 
 impl Choice for SsaoMethod {
@@ -47,7 +47,7 @@ impl Choice for SsaoMethod {
     }
 }
 
-/// The share of its hemisphere that each pixel sees, weighted by the cosine, in [0, 1]; `None` where the config has no method.
+/// Cosine-weighted share of the hemisphere that each pixel sees, in [0, 1]; `None` if the config chooses no method.
 pub fn occlusion(g: &mut Graph, gbuffer: &GBuffer, config: &SsaoConfig) -> Option<Image> {
     match config.method {
         SsaoMethod::None => None,

@@ -1,4 +1,4 @@
-//! Virtual point lights from the reflective shadow maps.
+//! Virtual point lights, sampled from the reflective shadow maps.
 
 use super::facts::Facts;
 use super::gbuffer::GBuffer;
@@ -20,17 +20,17 @@ shader_struct! {
 
     /// `glsl/lib/lobe.glsl`.
     pub struct Lobe {
-        /// That arrives, W; 0 where nothing is reflected so.
+        /// Incident flux, W; 0 of a VPL without a glossy lobe.
         pub flux: [f32; 3],
-        /// The surface's interpolated one, octahedral.
+        /// Interpolated surface normal, octahedral.
         pub normal: u32,
-        /// Fresnel reflectance along the normal, times how much of the surface reflects so.
+        /// Fresnel reflectance at normal incidence, times the glossy share of the surface.
         pub f0: [f32; 3],
-        /// Where the light comes from, octahedral.
+        /// Direction to the light, octahedral.
         pub incoming: u32,
-        /// Of GGX: roughness squared.
+        /// GGX alpha: roughness squared.
         pub alpha: f32,
-        /// Fresnel reflectance at a grazing angle, likewise.
+        /// Fresnel reflectance at grazing incidence, times the glossy share of the surface.
         pub f90: f32,
     }
 
@@ -49,8 +49,8 @@ shader_struct! {
     }
 }
 
-/// The VPLs, `count` elements in each buffer: for visibility and culling their places alone, so that those read little (Linke 2016,
-/// section 4.3). `README.md` beside this file has the contract that every sampler keeps.
+/// VPLs, `count` elements in each buffer. Places are apart, so that visibility and culling read little (Linke 2016, section 4.3).
+/// `README.md` beside this file has the contract that every sampler keeps.
 #[derive(Debug, Clone, Copy)]
 pub struct Vpls {
     pub count: u32,
@@ -58,21 +58,21 @@ pub struct Vpls {
     pub places: Buffer,
     /// Radiant intensity along the normal, W/sr, RGB.
     pub intensities: Buffer,
-    /// Cross section of the beam that each stands for, m^2; 0 of a VPL without light, and of no other. A disk's size follows from it
-    /// ([`Emitters::Disks`](crate::config::Emitters)).
+    /// Footprint: cross section of the beam that the VPL represents, m^2; 0 of a VPL without light, and of no other. It gives the size of
+    /// disk emitters ([`Emitters::Disks`](crate::config::Emitters)).
     pub areas: Buffer,
-    /// Share of each VPL's light that is thought to stay in the scene; `None` where the sampler does not know.
+    /// Estimated share of each VPL's light that stays in the scene; `None` if the sampler makes no estimate.
     pub kept: Option<Buffer>,
     /// Glossy VPLs at the same places, [`Lobe`]s; there if [`Wants::glossy`](super::wants::Wants) says so.
     pub lobes: Option<Buffer>,
-    /// Whether the diffuse ones shine.
+    /// Whether diffuse VPLs shine.
     pub diffuse: bool,
 }
 
-/// Cells of a map's importance along each side of a layer: `glsl/vpls/distribution.glsl`.
+/// Cells of the importance map along each side of a layer: `glsl/vpls/distribution.glsl`.
 const CELLS: u32 = 64;
 
-/// What samples are drawn from: running sums of the cells' importance.
+/// Distribution that samples are drawn from: running sums of the cells' importance.
 #[derive(Debug, Clone, Copy)]
 struct Distribution {
     columns: Buffer,
@@ -89,7 +89,7 @@ impl Choice for VplSampler {
     }
 }
 
-/// Refuses numbers of VPLs that the maps' texels do not give.
+/// Refuses counts of VPLs below the number of maps or above the number of texels.
 pub fn check(facts: &Facts) -> Result<()> {
     let (count, maps, texels) = (u64::from(facts.vpls), u64::from(facts.maps), facts.texels);
     if count < maps || count > texels {
@@ -101,7 +101,7 @@ pub fn check(facts: &Facts) -> Result<()> {
     Ok(())
 }
 
-/// Fills the slot with the config's sampler. Counts `vpls/lit`, VPLs that have flux.
+/// Samples VPLs with the config's sampler. Counts `vpls/lit`, VPLs with flux.
 pub fn sample(g: &mut Graph, rsm: &Rsm, _gbuffer: &GBuffer, config: &VplsConfig) -> Vpls {
     let distribution = match config.importance {
         Importance::None => None,
@@ -117,7 +117,7 @@ pub fn sample(g: &mut Graph, rsm: &Rsm, _gbuffer: &GBuffer, config: &VplsConfig)
     from_texels(g, pass, rsm, distribution, count, config.reflection != Reflection::Glossy)
 }
 
-/// Cells of the maps by the flux that they pass on to the scene.
+/// Importance of the maps' cells: the flux that they send on into the scene.
 fn passed_flux(g: &mut Graph, rsm: &Rsm) -> Distribution {
     let cells = CELLS * CELLS * rsm.layers;
     let importances = g.buffer::<f32>("vpls/importances", cells);
@@ -142,7 +142,7 @@ fn passed_flux(g: &mut Graph, rsm: &Rsm) -> Distribution {
     distribution
 }
 
-/// Texels of each light's map, in the order of a fixed permutation; the pass says which.
+/// VPLs from texels that the pass selects, in the order of a fixed permutation.
 fn from_texels(g: &mut Graph, pass: &'static str, rsm: &Rsm, distribution: Option<Distribution>, count: u32, diffuse: bool) -> Vpls {
     let vpls = Vpls {
         count,

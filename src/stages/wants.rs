@@ -1,31 +1,31 @@
-//! What later stages want of earlier ones: a value, so that no stage reads another's keys.
+//! Requirements of later stages on earlier ones: a value, so that no stage reads another's keys.
 
 use super::interleave::Interleave;
 use crate::config::{Config, Dielectric, Reflection, VisibilityMethod};
 
-/// See the module's page; worked out once a frame.
+/// Requirements of later stages; computed once a frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Wants {
-    /// Glossy VPLs, which the RSM must have texels for.
+    /// Glossy VPLs, for which the RSM stores GGX reflectance.
     pub glossy: bool,
-    /// Texels of the RSM that a VPL stands for, over which its albedo is averaged.
+    /// Texels of the RSM a VPL: the footprint over which albedo is averaged.
     pub texels_per_vpl: f64,
-    /// Clusters of VPLs, and their maps, even where no further bounce starts from them.
+    /// Clusters of VPLs with their maps, even if no further bounce starts from them.
     pub clusters: bool,
-    /// What the first bounce's VPLs, and those of further ones, are shadowed by.
+    /// Visibility of the first bounce's VPLs, and of further ones.
     pub visibility: [VisibilityMethod; 2],
-    /// Imperfect shadow maps that the first bounce's VPLs share; each has one of its own where this is `None`.
+    /// Number of imperfect shadow maps that the first bounce's VPLs share; `None`: one for each VPL.
     pub shared_maps: Option<u32>,
     /// The pattern of the gather's sample sets.
     pub interleave: Interleave,
-    /// How surfaces that are no metals reflect.
+    /// Reflection model of dielectrics.
     pub dielectric: Dielectric,
-    /// The seed of what is random.
+    /// Seed of all random numbers.
     pub seed: u32,
 }
 
 impl Wants {
-    /// What a config's stages want, where the RSM has so many layers.
+    /// Requirements of a config's stages on an RSM of `layers` layers.
     pub fn of(config: &Config, layers: u32) -> Self {
         let [width, height] = config.rsm.size;
         Self {
@@ -40,7 +40,7 @@ impl Wants {
         }
     }
 
-    /// What the VPLs of a bounce are shadowed by; the first is 1.
+    /// Visibility method of a bounce; the first is 1.
     pub fn visibility_of(&self, bounce: u32) -> VisibilityMethod {
         self.visibility[usize::from(bounce > 1)]
     }

@@ -1,7 +1,7 @@
 //! A bounding volume hierarchy over all triangles of a scene, laid out for the traversal in `glsl/bvh/traverse.glsl`.
 //!
-//! The tree is built by a crate (PLOC with reinsertion); here it becomes records of 16-byte texels. Images hold them: a software
-//! driver loads a texel at once and a storage buffer word by word, and limits the latter to 128 MiB besides.
+//! The crate obvhs builds the tree (PLOC with reinsertion); this module turns it into records of 16-byte texels. The records lie in images:
+//! a software driver loads a texel at once but a storage buffer word by word, and limits storage buffers to 128 MiB.
 
 use super::traced::{first_texels, texel_map};
 use crate::scene::{Map, Material, Scene, Vertex, pack};
@@ -13,28 +13,28 @@ use obvhs::{Boundable, BvhBuildParams};
 use rayon::prelude::*;
 use std::time::Duration;
 
-/// Set in a link to a leaf: the count of its triangles follows in the next bits, then the number of the first.
+/// Set in a link to a leaf: the next bits hold the number of its triangles less one, the rest the first triangle.
 const LEAF: u32 = 1 << 31;
 const COUNT_SHIFT: u32 = 28;
-/// Triangles of a leaf; they must fit between [`LEAF`] and [`COUNT_SHIFT`].
+/// Triangles of a leaf, at most; their number must fit between [`LEAF`] and [`COUNT_SHIFT`].
 const MOST_IN_LEAF: u32 = 2;
-/// Triangles that links can number.
+/// Triangles that links can address.
 pub const MOST_TRIANGLES: u64 = 1 << COUNT_SHIFT;
-/// The traversal's stack, one word a level: a tree that is deeper is refused.
+/// Entries of the traversal's stack, one a level; deeper trees are refused.
 pub const STACK: usize = 64;
 
-/// What the traversal must know of a triangle beside its corners.
+/// Flags of a triangle for the traversal.
 pub mod flags {
-    /// Its texture has holes.
+    /// Its texture has holes (alpha mask).
     pub const MASKED: u32 = 1;
-    /// Its back is no surface to the camera, and ends light.
+    /// Its back is invisible to the camera, and ends light.
     pub const SINGLE_SIDED: u32 = 2;
-    /// Above these bits: the number of a masked triangle's [`super::Mask`].
+    /// The bits from here on hold the number of a masked triangle's [`super::Mask`].
     pub const MASK_SHIFT: u32 = 2;
 }
 
-/// What tells the holes of a masked triangle: the places of its corners in the texture (two numbers each), the texture's words
-/// ([`super::traced::texel_map`]), the factor and the corners' own alpha (a byte each), and the cutoff.
+/// Alpha test of a masked triangle: texture coordinates of its corners (two numbers each), the texture's words
+/// ([`super::traced::texel_map`]), the alpha factor, the corners' own alpha (a byte each), and the cutoff.
 pub type Mask = [u32; 12];
 
 /// Two children of a node: boxes on a grid of 2^16 cells a side, 6 words, and links.
@@ -43,45 +43,45 @@ pub type Mask = [u32; 12];
 /// other four words are the second child's. A link is a node's number, or [`LEAF`] with count - 1 and first triangle.
 pub type Node = [u32; 8];
 
-/// Three corners in the world, each with a word after it: the material, nothing, and [`flags`].
+/// Three world-space corners, each followed by a word: the material, padding, and [`flags`].
 pub type Triangle = [u32; 12];
 
-/// What the three corners look like, four words each: normal in the world ([`pack::octahedral_snorm16`]), texture coordinates, and
-/// tangent in the world ([`pack::tangent`]).
+/// Shading attributes of the three corners, four words each: world-space normal ([`pack::octahedral_snorm16`]), texture coordinates, and
+/// world-space tangent ([`pack::tangent`]).
 pub type Corners = [u32; 12];
 
-/// See the module's page.
+/// A bounding volume hierarchy in the layout of the shaders.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Bvh {
     /// Lower corner of the grid and the size of its cells, metres.
     pub origin: Vec3,
     pub cell: Vec3,
-    /// The root is the first.
+    /// Nodes; the first is the root.
     pub nodes: Vec<Node>,
-    /// In the order of the leaves. A triangle is in one leaf alone. After `emitting.first` follow the emitting ones once more.
+    /// Triangles in the order of the leaves; each is in one leaf alone. The emitting ones follow once more from `emitting.first` on.
     pub triangles: Vec<Triangle>,
     pub emitting: Emitting,
-    /// Of the same triangles.
+    /// Shading attributes of `triangles`, in the same order.
     pub corners: Vec<Corners>,
-    /// Of the same triangles: their corners' colours ([`pack::unorm8x4`]) and nothing. Empty where all are white.
+    /// Vertex colours of `triangles` ([`pack::unorm8x4`]), each with a word of padding. Empty if all are white.
     pub colors: Vec<[u32; 4]>,
-    /// Of the masked triangles.
+    /// Alpha tests of the masked triangles.
     pub masks: Vec<Mask>,
-    /// Nodes on the longest way down.
+    /// Nodes on the longest path from the root.
     pub depth: usize,
 }
 
-/// The tree of the emitting triangles alone, for rays that only ask what shines on a point. Where so many triangles emit that a
-/// second tree would cost more than it spares, it is the whole tree.
+/// A second tree of the emitting triangles alone, for rays that only query emitters. If so many triangles emit that a second tree would
+/// cost more than it saves, this is the whole tree.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Emitting {
-    /// Its root among the nodes.
+    /// Index of its root.
     pub root: u32,
-    /// Its first triangle; all after it are its own.
+    /// Index of its first triangle; all later triangles are its own.
     pub first: usize,
 }
 
-/// Emitting triangles have a tree of their own where they are at most one in so many.
+/// Emitting triangles get a tree of their own if they are at most one in this many.
 const FEW: usize = 4;
 
 struct Bounded([Vec3A; 3]);
@@ -93,12 +93,12 @@ impl Boundable for Bounded {
 }
 
 impl Bvh {
-    /// Builds the tree of all triangles of a scene, in the world.
+    /// Builds the tree of all triangles of a scene, in world space.
     pub fn build(scene: &Scene) -> Self {
         let mut records: Vec<Triangle> = Vec::with_capacity(scene.triangle_count() as usize);
         for (number, draw) in scene.draws.iter().enumerate() {
             let flags = material_flags(&scene.materials[draw.material as usize]);
-            // The draw and the first index stand in the first two words until what the corners look like is known.
+            // The draw and the first index are kept in words 3 and 7 until the shading attributes are filled in.
             let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
             let record = |(i, triangle): (usize, &[u32])| {
                 let corner = |k: usize| world(&draw.transform, scene.vertices[(draw.vertex_offset + triangle[k]) as usize].position);
@@ -128,12 +128,12 @@ impl Bvh {
         bvh
     }
 
-    /// What the triangles look like, in their final order.
+    /// Fills in shading attributes, colours and alpha tests, in the final order of the triangles.
     fn add_looks(&mut self, scene: &Scene) {
         let look = |record: &Triangle| {
             let draw = &scene.draws[record[3] as usize];
             let linear = draw.transform.matrix3;
-            // The cofactor matrix carries normals through any scale; its sign is the transform's own.
+            // The cofactor matrix transforms normals under any scale; the sign is the transform's own.
             let cofactor = Mat3A::from_cols(
                 linear.y_axis.cross(linear.z_axis),
                 linear.z_axis.cross(linear.x_axis),
@@ -206,45 +206,45 @@ fn world(transform: &Affine3A, position: [f32; 3]) -> [u32; 3] {
     transform.transform_point3(position.into()).to_array().map(f32::to_bits)
 }
 
-/// The corners of a record.
+/// Corners of a record.
 fn corners(record: &Triangle) -> [Vec3A; 3] {
     [0, 4, 8].map(|at| Vec3A::from_array(std::array::from_fn(|axis| f32::from_bits(record[at + axis]))))
 }
 
-/// The crate's tree of some triangles.
+/// Builds the crate's tree of some triangles.
 fn tree(records: &[Triangle]) -> Bvh2 {
     let corners: Vec<Bounded> = records.par_iter().map(|record| Bounded(corners(record))).collect();
     let tree = build_bvh2(&corners, PARAMETERS, &mut Duration::default());
     if tree.depth(0) <= STACK - 2 {
         return tree;
     }
-    // A chain of boxes in boxes, which only the optimisation of a strange scene makes.
+    // Too deep: a chain of nested boxes, which only reinsertion makes, on unusual scenes. Without reinsertion the tree is shallower.
     build_bvh2(&corners, BvhBuildParams { reinsertion_batch_ratio: 0.0, ..PARAMETERS }, &mut Duration::default())
 }
 
 /// Grid cells a side.
 const GRID: f32 = 65_535.0;
 
-/// Two children whose links end the traversal: the root of no triangles, and what a node is before it is filled.
+/// A node whose links end the traversal: the root of an empty tree, and the initial value of nodes.
 const NOTHING: Node = [0, 0, 0, u32::MAX, 0, 0, 0, u32::MAX];
 
 impl Bvh {
     /// Lays the grid over the bounds of all triangles.
     fn set_grid(&mut self, bounds: &BuildAabb) {
         let (min, max) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
-        // A flat scene has cells of some height too. Boxes are rounded outwards by up to two cells.
+        // Cells of a flat scene need a height, too. Boxes are rounded outwards by up to two cells.
         let least = 1e-9 + min.abs().max(max.abs()).max_element() * 1e-6;
         self.cell = (max - min).max(Vec3::splat(least)) / (GRID - 4.0);
         self.origin = min - 2.0 * self.cell;
     }
 
-    /// Turns the crate's tree into records under the node `top`, parents before children and siblings together.
+    /// Converts the crate's tree into records below the node `top`, parents before children and siblings together.
     fn lay_out(&mut self, tree: &Bvh2, records: &[Triangle], top: usize) {
         self.depth = self.depth.max(tree.depth(0));
         self.triangles.reserve(records.len());
         let root = &tree.nodes[0];
         if root.is_leaf() {
-            // Both children are the one leaf: what is met twice is met once.
+            // Both children are the same leaf; a hit that is found twice counts once.
             let link = self.leaf(tree, records, 0);
             let child = self.child(root.aabb(), link);
             self.nodes[top][..4].copy_from_slice(&child);
@@ -252,7 +252,7 @@ impl Bvh {
             return;
         }
         self.nodes.reserve(tree.nodes.len() / 2 + 1);
-        // The crate's node, and the number of its record.
+        // Node of the crate's tree, and the number of its record.
         let mut open = vec![(0, top)];
         while let Some((from, to)) = open.pop() {
             let first: usize = tree.nodes[from].first_index as usize;
@@ -270,7 +270,7 @@ impl Bvh {
         }
     }
 
-    /// Adds a leaf's triangles; the link to them.
+    /// Adds a leaf's triangles and returns the link to them.
     fn leaf(&mut self, tree: &Bvh2, records: &[Triangle], which: usize) -> u32 {
         let node = &tree.nodes[which];
         let (from, count) = (node.first_index as usize, node.prim_count);
@@ -280,7 +280,7 @@ impl Bvh {
         LEAF | (count - 1) << COUNT_SHIFT | first
     }
 
-    /// Half a node. Its box is rounded outwards, and by a cell more against the rounding of the traversal.
+    /// One child's half of a node. Its box is rounded outwards, plus one cell against the traversal's rounding.
     fn child(&self, bounds: &BuildAabb, link: u32) -> [u32; 4] {
         let lower = ((Vec3::from(bounds.min) - self.origin) / self.cell - 1.0).floor().clamp(Vec3::ZERO, Vec3::splat(GRID));
         let upper = ((Vec3::from(bounds.max) - self.origin) / self.cell + 1.0).ceil().clamp(Vec3::ZERO, Vec3::splat(GRID));

@@ -1,8 +1,8 @@
 //! A scene on the device: one vertex and one index buffer, draws and materials in storage buffers, textures in arrays.
 //!
-//! Textures of one size and kind share an image array. Draws of one material form a [`Bucket`]:
-//! one indirect draw, with its numbers and its maps bound once and the shader specialised to what it has. That is what makes
-//! them uniform to the shader: on a software driver, a fifth of a map's time.
+//! Textures of one size and kind share an image array. Draws of one material form a [`Bucket`]: one indirect draw, with the material's
+//! constants and maps bound once and the shader specialised to its features. Constants and maps are thus uniform in the shader, which saves
+//! a fifth of a map's time on a software driver.
 
 use crate::fail;
 use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, VertexLayout, Wrapping};
@@ -14,16 +14,16 @@ use glam::Affine3A;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// How a scene's vertices lie in their buffer, and what shaders read them as.
+/// Vertex layout of a scene's buffer, and the types that shaders read.
 pub const VERTEX: VertexLayout = vertex_layout!(Vertex { position: Float3, normal: Snorm16x2, uv: Float2, color: Unorm8x4, tangent: Uint });
 
 shader_struct! {
     /// A draw: `glsl/lib/scene.glsl`.
     pub struct DrawData {
-        /// Three axes and the translation, one after the other.
+        /// Three axes and the translation, column by column.
         pub transform: [[f32; 3]; 4],
         pub material: u32,
-        /// Of the material.
+        /// Whether the material is double-sided.
         pub double_sided: u32,
     }
 
@@ -38,7 +38,7 @@ shader_struct! {
 
     /// A part of a draw: `glsl/lib/scene.glsl`.
     pub struct PartData {
-        /// The box around it in the world.
+        /// World-space bounding box.
         pub box_min: [f32; 3],
         pub draw: u32,
         pub box_max: [f32; 3],
@@ -53,19 +53,19 @@ shader_struct! {
         pub alpha_cutoff: f32,
         pub normal_scale: f32,
         pub double_sided: u32,
-        /// Of the base colour, metallic-roughness, emission and normal map: matrix columns, offset, layer.
+        /// Base colour, metallic-roughness, emission and normal map: matrix columns, offset, layer.
         pub base_color_map: [f32; 7],
         pub metallic_roughness_map: [f32; 7],
         pub emission_map: [f32; 7],
         pub normal_map: [f32; 7],
-        /// To 256 bytes, so that each can be bound as a uniform block on every device.
+        /// Padding to 256 bytes, so that every device can bind one element as a uniform block.
         pub padding: [u32; 24],
     }
 }
 
 const _: () = assert!(size_of::<MaterialData>() == 256);
 
-/// As a pass sees it that makes vertices; the host's own is plain data.
+/// Layout for passes that make vertices; the host's own type is plain data.
 impl ShaderStruct for Vertex {
     const NAME: &'static str = "Vertex";
     const MEMBERS: &'static [Member] = {
@@ -80,7 +80,7 @@ impl ShaderStruct for Vertex {
     };
 }
 
-/// Names of a material's maps in the shaders, and of the constants that switch them on.
+/// Bindings of a material's maps in the shaders, and constants that switch them on.
 const MAPS: [(&str, &str); 4] = [
     ("base_color_map", "BASE_COLOR_MAP"),
     ("metallic_roughness_map", "METALLIC_ROUGHNESS_MAP"),
@@ -88,23 +88,23 @@ const MAPS: [(&str, &str); 4] = [
     ("normal_map", "NORMAL_MAP"),
 ];
 
-/// Which of a material's maps a pass's shaders have: the first so many of base colour, metallic-roughness, emission, normal.
+/// Maps of a material that a pass's shaders use: the first two or all four of base colour, metallic-roughness, emission, normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Maps {
     Reflection = 2,
     All = 4,
 }
 
-/// What draws share that are drawn in one go. Pipelines depend on all but the material's number.
+/// Properties shared by the draws of a bucket. Pipelines depend on all but the material's number.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 struct BucketKey {
-    /// What is solid comes first, and spares what is behind it the shading.
+    /// Sorts solid surfaces first, which saves the shading of hidden surfaces.
     masked: bool,
     double_sided: bool,
     colored: bool,
-    /// Bound as a uniform block: its numbers are the same for all that is drawn.
+    /// Number of the material, which is bound as a uniform block.
     material: u32,
-    /// Image array and sampling of each map.
+    /// Image array and sampler state of each map.
     maps: [Option<MapKey>; 4],
 }
 
@@ -121,50 +121,50 @@ struct Bucket {
     draws: Vec<PlacedDraw>,
 }
 
-/// A range of triangles to draw, and where they are in the world.
+/// A range of triangles to draw, with its world-space bounds.
 struct PlacedDraw {
     arguments: DrawArguments,
     bounds: Aabb,
-    /// In its own space, where it moves: the other then is the box around this one.
+    /// Object-space bounds if it moves; `bounds` is then the box around the transformed one.
     own_bounds: Option<Aabb>,
 }
 
-/// The draws' transforms and materials.
+/// Transforms and materials of the draws.
 enum Draws {
-    /// On the device, once for all frames.
+    /// On the device, uploaded once.
     Still(BufferId, u32),
-    /// Where the scene's animation moves some: they are brought with every frame.
+    /// On the host, uploaded every frame, because the scene's animation moves some.
     Moving(Vec<DrawData>),
 }
 
-/// See the module's page. The device owns all of it.
+/// A scene on the device, which owns all of its resources.
 pub struct DeviceScene {
-    /// Of all of its animation: [`Scene::bounds`].
+    /// Bounds over the whole animation: [`Scene::bounds`].
     pub bounds: Aabb,
     pub triangles: u64,
-    /// Whether some material is, or by a map may be, metallic.
+    /// Whether any material is metallic, by its factor or possibly by a map.
     pub has_metals: bool,
     vertices: (BufferId, u32),
     indices: (BufferId, u32),
     draws: Draws,
     materials: BufferId,
     arrays: Vec<ImageId>,
-    /// One white texel, for maps that a bucket does not have.
+    /// A white texel, bound in place of missing maps.
     blank: ImageId,
     buckets: Vec<Bucket>,
 }
 
-/// All of a scene, in parts that a pass may leave out before they are drawn.
+/// All of a scene, in parts that a pass can cull.
 pub struct Parts {
     pub lists: Vec<DrawList>,
-    /// [`PartData`] of each.
+    /// [`PartData`] of each part.
     pub parts: Buffer,
-    /// Of each part the arguments that the lists draw it with: its number as the first instance, and no instances yet.
+    /// Draw arguments of each part: its number as the first instance, and initially no instances.
     pub arguments: Buffer,
     pub count: u32,
 }
 
-/// A scene in one frame's graph: what its passes draw and read.
+/// A scene in one frame's graph.
 #[derive(Clone, Copy)]
 pub struct FrameScene<'f> {
     scene: &'f DeviceScene,
@@ -172,12 +172,15 @@ pub struct FrameScene<'f> {
     pub draws: Buffer,
     /// [`Vertex`].
     pub vertices: Buffer,
-    /// Three a triangle.
+    /// Indices, three a triangle.
     pub indices: Buffer,
 }
 
 impl DeviceScene {
-    /// Checks a scene against the device's limits and brings it there. Errors name the limit and the knob.
+    /// Uploads a scene to the device.
+    ///
+    /// # Errors
+    /// `BadInput` if the scene is over a limit of the device; the error names the limit and the key.
     pub fn upload(gpu: &mut Gpu, scene: &Scene) -> Result<Self> {
         let limits = gpu.adapter.limits;
         let check = |what: &str, bytes: usize, limit: u64| -> Result<()> {
@@ -221,7 +224,7 @@ impl DeviceScene {
         })
     }
 
-    /// Moves the draws to where they are in the host's scene, whose time was set ([`Scene::set_time`]).
+    /// Copies the draws' transforms from the host's scene, whose time was set ([`Scene::set_time`]).
     pub fn follow(&mut self, scene: &Scene) {
         let Draws::Moving(draws) = &mut self.draws else { return };
         *draws = draw_data(scene);
@@ -232,7 +235,7 @@ impl DeviceScene {
         }
     }
 
-    /// The scene as this frame's resources.
+    /// Imports the scene into a frame's graph.
     pub fn import(&self, g: &mut Graph) -> FrameScene<'_> {
         let draws = match &self.draws {
             Draws::Still(id, count) => g.import_buffer::<DrawData>("scene/draws", *id, *count),
@@ -248,19 +251,19 @@ impl DeviceScene {
 }
 
 impl FrameScene<'_> {
-    /// Of all of the scene's animation: [`Scene::bounds`].
+    /// Bounds over the whole animation: [`Scene::bounds`].
     pub fn bounds(&self) -> Aabb {
         self.scene.bounds
     }
 
-    /// Whether some material is, or by a map may be, metallic.
+    /// Whether any material is metallic, by its factor or possibly by a map.
     pub fn has_metals(&self) -> bool {
         self.scene.has_metals
     }
 
-    /// What a raster pass draws, `instances` times: the parts of which `distance` knows one, nearer ones before farther ones as
-    /// far as buckets allow, so that what is hidden is not shaded. A frame to warm up with ([`Graph::warming_up`]) gets a triangle of
-    /// every bucket that has no such part.
+    /// Draw lists of a raster pass, with `instances` instances a draw. Parts without a `distance` are left out. Nearer parts come first as
+    /// far as buckets allow, which saves the shading of hidden surfaces. A frame that warms up ([`Graph::warming_up`]) gets a triangle of
+    /// every bucket that has no visible part.
     pub fn draw_lists(
         &self,
         g: &mut Graph,
@@ -274,7 +277,7 @@ impl FrameScene<'_> {
             let part = |draw: &PlacedDraw| Some((distance(draw.bounds)?, DrawArguments { instance_count: instances, ..draw.arguments }));
             let mut parts: Vec<(f32, DrawArguments)> = bucket.draws.iter().filter_map(part).collect();
             if parts.is_empty() && g.is_warming_up() {
-                // Not the pipeline alone: drivers that compile at the first use do so again for another texture's format.
+                // A prepared pipeline is not enough: drivers that compile at first use do so again for another texture's format.
                 let triangle = |draw: &PlacedDraw| DrawArguments { index_count: 3, instance_count: instances, ..draw.arguments };
                 parts.extend(bucket.draws.first().map(|draw| (f32::INFINITY, triangle(draw))));
             }
@@ -283,7 +286,7 @@ impl FrameScene<'_> {
                 drawn.push((*nearest, bucket, parts));
             }
         }
-        // Holes are only known after shading: what is solid goes first.
+        // Masked surfaces come last, since their holes are known only after shading.
         drawn.sort_by(|a, b| a.1.key.masked.cmp(&b.1.key.masked).then(a.0.total_cmp(&b.0)));
         let mut arguments: Vec<DrawArguments> = Vec::new();
         let mut ranges = Vec::new();
@@ -292,14 +295,14 @@ impl FrameScene<'_> {
             arguments.extend(parts.iter().map(|(_, arguments)| arguments));
         }
         if arguments.is_empty() {
-            // A buffer is never empty; no list refers to this.
+            // Buffers are never empty; no list refers to this element.
             arguments.push(bytemuck::Zeroable::zeroed());
         }
         let arguments = g.upload(&format!("{name}/arguments"), &arguments);
         ranges.into_iter().map(|(bucket, first, count)| self.draw_list(&bucket.key, arguments, first, count, maps)).collect()
     }
 
-    /// Everything in parts, whose instances a pass on the device is to count.
+    /// Draw lists of everything in parts; a pass on the device fills in their instance counts.
     pub fn parts(&self, g: &mut Graph, name: &str, maps: Maps) -> Parts {
         let placed = self.scene.buckets.iter().flat_map(|bucket| &bucket.draws);
         let data: Vec<PartData> = placed
@@ -342,7 +345,7 @@ impl FrameScene<'_> {
             textures,
             blocks: vec![ListBlock::of::<MaterialData>("material_block", self.scene.materials, key.material)],
             constants,
-            // The light's view keeps back faces: they stop light, whatever they show to the camera.
+            // Reflective shadow maps keep back faces: they stop light even if the camera does not see them.
             cull_back: !key.double_sided && maps == Maps::All,
             vertex: VERTEX,
             vertices: self.vertices,
@@ -354,7 +357,7 @@ impl FrameScene<'_> {
     }
 }
 
-/// Where each texture went: image array and layer.
+/// Image array and layer of each texture.
 type Places = Vec<(usize, u32)>;
 
 fn upload_textures(gpu: &mut Gpu, scene: &Scene) -> Result<(Vec<ImageId>, Places)> {
@@ -464,7 +467,7 @@ fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
     (buckets.into_iter().map(|(key, draws)| Bucket { key, draws }).collect(), all)
 }
 
-/// A part's bounds in the world and, where it moves, in its own space.
+/// World-space bounds of a part and, if it moves, its object-space bounds.
 type PartBounds = (Aabb, Option<Aabb>);
 
 fn part_bounds(scene: &Scene, part: &Draw, moves: bool) -> PartBounds {
@@ -475,7 +478,7 @@ fn part_bounds(scene: &Scene, part: &Draw, moves: bool) -> PartBounds {
     (own.transformed(&part.transform), Some(own))
 }
 
-/// A draw in pieces small enough to be left out, or drawn in an order, on their own. Files list neighbours together, mostly.
+/// Splits a draw into pieces small enough for culling and sorting. Files mostly list neighbours together.
 fn parts(draw: &Draw) -> Vec<Draw> {
     const INDICES: u32 = 3 * 1024;
     let piece =

@@ -1,4 +1,4 @@
-//! A scene's bounding volume hierarchy on the device: images of four words a texel, and the grid that its boxes lie on.
+//! A scene's bounding volume hierarchy on the device: images of four words a texel, and the grid that its boxes are quantized to.
 
 use super::bvh::{Bvh, MOST_TRIANGLES, STACK};
 use crate::fail;
@@ -8,7 +8,7 @@ use crate::shader_struct;
 use anyhow::Result;
 
 shader_struct! {
-    /// The grid of the boxes: `glsl/bvh/traverse.glsl`.
+    /// Grid of the boxes: `glsl/bvh/traverse.glsl`.
     pub struct BvhData {
         pub origin: [f32; 3],
         pub padding0: f32,
@@ -17,10 +17,10 @@ shader_struct! {
     }
 }
 
-/// Texels of a row; a power of two, so that the shader divides by shifting. Every device has images so wide.
+/// Texels of a row: a power of two, so that the shader divides by shifting. Every device supports images of this width.
 const COLUMNS: usize = 4096;
 
-/// Words as an image of four words a texel, in rows.
+/// An image of words, four a texel, in rows.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WordImage {
     name: &'static str,
@@ -29,7 +29,7 @@ pub(super) struct WordImage {
 }
 
 impl WordImage {
-    /// Brings words to the device; `scene` is the scene's name, for the error of what does not fit.
+    /// Uploads words; `scene` is the scene's name, for errors.
     pub fn upload(gpu: &mut Gpu, scene: &str, name: &'static str, words: &[u32]) -> Result<Self> {
         let rows = words.len().div_ceil(4 * COLUMNS).max(1);
         let limit = gpu.adapter.limits.image_size as usize;
@@ -54,7 +54,7 @@ impl WordImage {
     }
 }
 
-/// See the module's page. The device owns the images.
+/// A hierarchy on the device, which owns the images.
 #[derive(Debug)]
 pub struct DeviceBvh {
     data: BvhData,
@@ -78,7 +78,7 @@ pub struct BvhHandles {
 }
 
 impl DeviceBvh {
-    /// Brings a hierarchy to the device, a part at a time, so that not all of it lies in memory twice; `scene` is the scene's name.
+    /// Uploads a hierarchy, one array at a time, so that no more than one is in memory twice. `scene` is the scene's name, for errors.
     pub fn upload(gpu: &mut Gpu, scene: &str, mut bvh: Bvh) -> Result<Self> {
         if bvh.triangles.len() as u64 > MOST_TRIANGLES {
             return Err(fail!(
@@ -103,12 +103,12 @@ impl DeviceBvh {
         Ok(Self { data, nodes, triangles, masks, corners, colors })
     }
 
-    /// Gives its images back.
+    /// Frees its images.
     pub fn free(&self, gpu: &mut Gpu) {
         [self.nodes, self.triangles, self.masks, self.corners, self.colors].iter().for_each(|image| image.free(gpu));
     }
 
-    /// The hierarchy as this frame's resources.
+    /// Imports the hierarchy into a frame's graph.
     pub fn import(&self, g: &mut Graph) -> BvhHandles {
         BvhHandles {
             data: g.upload("scene/bvh", &[self.data]),

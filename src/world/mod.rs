@@ -1,4 +1,4 @@
-//! The scene as frames see it: on the device, moved by its animation, and from where a frame shows it.
+//! The scene at a frame's time: on the device, animated, with views and lights.
 
 pub mod bvh;
 pub mod device;
@@ -17,15 +17,15 @@ use device::{DeviceScene, FrameScene};
 pub use shot::{Lighting, Shot};
 use traced::{TracedHandles, TracedScene};
 
-/// What frames need of the scene beside what is drawn.
+/// Requirements of frames on the scene, beside the rasterizer's own.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Needs {
-    /// The hierarchy that rays traverse, and the materials that they find.
+    /// Acceleration structure and materials for rays.
     pub rays: bool,
 }
 
 impl Needs {
-    /// What either needs.
+    /// Union of two requirements.
     pub fn and(self, other: Self) -> Self {
         Self { rays: self.rays || other.rays }
     }
@@ -33,20 +33,21 @@ impl Needs {
 
 /// A scene on the host and on the device. The device owns its buffers and images.
 pub struct World {
-    /// Without its textures, unless the world may be asked for rays.
+    /// The host's scene, without textures unless `may_need` has rays.
     scene: Scene,
     device: DeviceScene,
     traced: Option<TracedScene>,
-    /// Where the scene's animation was when the hierarchy was built, seconds; unknown after one that failed.
+    /// Animation time of the acceleration structure, seconds; `None` before the first build and after a failed one.
     time_of_rays: Option<f64>,
     may_need: Needs,
 }
 
 impl World {
-    /// Brings a scene to the device. Textures stay on the host only if `may_need` has rays, which look them up in an image of their own.
+    /// Uploads a scene to the device. Textures stay on the host only if `may_need` has rays, for which they are uploaded a second time,
+    /// into one image.
     ///
     /// # Errors
-    /// `BadInput` where the device's limits are passed; the error names the limit and the key.
+    /// `BadInput` if the scene is over a limit of the device; the error names the limit and the key.
     pub fn bring(gpu: &mut Gpu, mut scene: Scene, may_need: Needs) -> Result<Self> {
         scene.set_time(0.0);
         let device = DeviceScene::upload(gpu, &scene)?;
@@ -56,13 +57,13 @@ impl World {
         Ok(Self { scene, device, traced: None, time_of_rays: None, may_need })
     }
 
-    /// Makes what frames need and is not there. It is called before frames are described, since building a hierarchy takes seconds.
+    /// Makes missing parts. It is called before frames are described, because building a hierarchy takes seconds.
     ///
     /// # Errors
     /// As [`TracedScene::upload`].
     ///
     /// # Panics
-    /// If the world was brought without what it now needs.
+    /// If the world was brought without the requirement.
     pub fn ensure(&mut self, gpu: &mut Gpu, needs: Needs) -> Result<()> {
         if needs.rays && self.traced.is_none() {
             assert!(self.may_need.rays, "{}: rays are asked for, and World::bring was told that none would be", self.scene.name);
@@ -73,13 +74,13 @@ impl World {
         Ok(())
     }
 
-    /// The host's scene, where its animation has it at second 0.
+    /// The host's scene at second 0 of its animation.
     pub fn at_rest(&mut self) -> &Scene {
         self.scene.set_time(0.0);
         &self.scene
     }
 
-    /// Moves what is drawn, and what rays meet where that is needed, to where the scene's animation has it at a time.
+    /// Moves the rasterizer's scene, and the acceleration structure if `needs` has rays, to a time of the animation, seconds.
     ///
     /// # Errors
     /// As [`TracedScene::follow`].
@@ -95,7 +96,7 @@ impl World {
         Ok(())
     }
 
-    /// Moves what rays meet to where the scene's animation has it at a time; does nothing where it is there.
+    /// Moves the acceleration structure to a time of the animation, seconds; does nothing if it is there already.
     ///
     /// # Errors
     /// As [`TracedScene::follow`].
@@ -111,22 +112,22 @@ impl World {
         Ok(())
     }
 
-    /// What is drawn.
+    /// The rasterizer's scene.
     pub fn device(&self) -> &DeviceScene {
         &self.device
     }
 
-    /// What rays meet; `None` until it was [ensured](Self::ensure).
+    /// The acceleration structure; `None` until it was [ensured](Self::ensure).
     pub fn traced(&self) -> Option<&TracedScene> {
         self.traced.as_ref()
     }
 
-    /// Whether the scene has an animation that moves it.
+    /// Whether the scene is animated.
     pub fn moves(&self) -> bool {
         self.scene.animation.is_some()
     }
 
-    /// The scene as a frame's resources, and what rays meet where that is there.
+    /// Imports the scene into a frame's graph, with the acceleration structure if there is one.
     pub fn import(&self, g: &mut Graph) -> (FrameScene<'_>, Option<TracedHandles>) {
         (self.device.import(g), self.traced.as_ref().map(|traced| traced.import(g)))
     }

@@ -1,4 +1,4 @@
-//! Cameras and lights as the shaders know them: `glsl/lib/view.glsl` and `glsl/lib/light.glsl`.
+//! Cameras and lights in the layout of the shaders: `glsl/lib/view.glsl` and `glsl/lib/light.glsl`.
 
 use crate::scene::{Aabb, Camera, Light, SpotFalloff};
 use crate::shader_struct;
@@ -9,16 +9,16 @@ shader_struct! {
     pub struct View {
         pub view_projection: [[f32; 4]; 4],
         pub position: [f32; 3],
-        /// Nothing nearer is drawn, metres.
+        /// Distance of the near plane, metres.
         pub near: f32,
-        /// Times the tangent of half the horizontal field of view.
+        /// Unit right vector times the tangent of half the horizontal field of view.
         pub right: [f32; 3],
         pub width: u32,
-        /// Times the tangent of half the vertical field of view.
+        /// Unit up vector times the tangent of half the vertical field of view.
         pub up: [f32; 3],
         pub height: u32,
         pub forward: [f32; 3],
-        /// Of the scene's bounds, metres.
+        /// Diagonal of the scene's bounds, metres.
         pub diagonal: f32,
     }
 
@@ -29,30 +29,30 @@ shader_struct! {
         /// 0 directional, 1 and 2 spot by angle and by cosine, 3 a point light's face.
         pub kind: u32,
         pub direction: [f32; 3],
-        /// The near plane, or a directional light's depth range.
+        /// Distance of the near plane, or a directional light's depth range, metres.
         pub near: f32,
-        /// Half the map's width, metres, or the tangent of the half-angle.
+        /// Right vector, of half the map's width (metres) or of the half-angle's tangent.
         pub right: [f32; 3],
         pub inner: f32,
-        /// Half the map's height.
+        /// Up vector, of half the map's height, in the same unit.
         pub up: [f32; 3],
         pub outer: f32,
-        /// Irradiance or radiant intensity.
+        /// Irradiance, W/m^2, or radiant intensity, W/sr.
         pub power: [f32; 3],
-        /// m^2, or on the plane at distance 1.
+        /// Area of a texel: m^2, or on the plane at distance 1.
         pub texel_area: f32,
     }
 }
 
 impl View {
-    /// The view of a camera with pictures of `size` pixels, in a scene of these bounds.
+    /// View of a camera for pictures of `size` pixels, in a scene with these bounds.
     pub fn new(camera: &Camera, size: [u32; 2], bounds: Aabb) -> Self {
         let diagonal = bounds.size().length().max(1e-6);
         let (forward, right, up) = frame(camera.target - camera.position, camera.up);
         let tangent = (camera.fov_y_deg.to_radians() * 0.5).tan();
         let aspect = size[0] as f32 / size[1] as f32;
         let (right, up) = (right * tangent * aspect, up * tangent);
-        // Small against the scene: the reversed projection keeps its precision whatever the near plane.
+        // Small against the scene; the reversed projection keeps its precision with any near plane.
         let near = diagonal * 1e-4;
         Self {
             view_projection: perspective(camera.position, forward, right, up, near).to_cols_array_2d(),
@@ -67,7 +67,7 @@ impl View {
         }
     }
 
-    /// Whether some of a box may be in the picture.
+    /// Whether a part of a box may be in the picture (conservative).
     pub fn sees(&self, bounds: Aabb) -> bool {
         sees(&self.view_projection, bounds)
     }
@@ -77,15 +77,15 @@ impl View {
         bounds.center().distance(self.position.into())
     }
 
-    /// World position of a pixel's centre at a depth of the depth image, which must not be 0.
+    /// World position of a pixel's centre, given its value in the depth image, which must not be 0.
     pub fn position_at(&self, x: u32, y: u32, depth: f32) -> Vec3 {
         let ndc = (Vec2::new(x as f32, y as f32) + 0.5) / Vec2::new(self.width as f32, self.height as f32) * 2.0 - 1.0;
         let ray = Vec3::from(self.forward) + ndc.x * Vec3::from(self.right) - ndc.y * Vec3::from(self.up);
         Vec3::from(self.position) + ray * (self.near / depth)
     }
 
-    /// Where the picture shows a world position: pixels from its upper left corner, a pixel's centre at a half, and the distance
-    /// along the view's axis, metres. `None` where it is not ahead; what is beside the picture has a place there too.
+    /// Projection of a world position: pixels from the picture's upper left corner (pixel centres at halves), and the distance along the
+    /// view's axis, metres. `None` if it is not ahead of the camera; positions outside of the picture are projected, too.
     pub fn pixel_of(&self, position: Vec3) -> Option<(DVec2, f64)> {
         let vector = |v: [f32; 3]| Vec3::from(v).as_dvec3();
         let away: DVec3 = position.as_dvec3() - vector(self.position);
@@ -96,13 +96,13 @@ impl View {
         (distance > f64::from(self.near) * 0.5).then(|| ((ndc * 0.5 + 0.5) * size, distance))
     }
 
-    /// Width and height of what a pixel covers at a distance of 1 m along the view's axis, on a plane that faces the view.
+    /// Width and height of a pixel's footprint on a plane that faces the view at a distance of 1 m, metres.
     pub fn pixel_size(&self) -> f64 {
         2.0 * f64::from(Vec3::from(self.up).length()) / f64::from(self.height)
     }
 }
 
-/// Forward, right and up, orthonormal; any up will do where the given one is parallel to the view.
+/// Orthonormal forward, right and up. An arbitrary up is taken if the given one is parallel to the view.
 fn frame(forward: Vec3, up: Vec3) -> (Vec3, Vec3, Vec3) {
     let forward = forward.normalize_or(Vec3::NEG_Z);
     let right = forward.cross(up).try_normalize().unwrap_or_else(|| forward.any_orthonormal_vector());
@@ -117,7 +117,7 @@ fn perspective(position: Vec3, forward: Vec3, right: Vec3, up: Vec3, near: f32) 
     Mat4::from_cols(x, y, Vec4::new(0.0, 0.0, 0.0, near), row(forward)).transpose()
 }
 
-/// False only where all corners of a box are outside one and the same side of the clip volume.
+/// Conservative test: false only if all corners of a box are outside the same side of the clip volume.
 fn sees(matrix: &[[f32; 4]; 4], bounds: Aabb) -> bool {
     let corners = bounds.corners().map(|corner| Mat4::from_cols_array_2d(matrix) * corner.extend(1.0));
     let outside: [fn(Vec4) -> bool; 5] = [|c| c.x < -c.w, |c| c.x > c.w, |c| c.y < -c.w, |c| c.y > c.w, |c| c.z > c.w];
@@ -125,8 +125,8 @@ fn sees(matrix: &[[f32; 4]; 4], bounds: Aabb) -> bool {
 }
 
 impl Projector {
-    /// The map layers of the lights that have maps, each of `size` texels. Directional lights are fitted to `target` across, and
-    /// to `bounds` along their way, so that what shadows the target is drawn too.
+    /// Layers of the lights that have maps, of `size` texels each. A directional light is fitted to `target` across, and to `bounds` along
+    /// its direction, so that occluders of the target are drawn, too.
     pub fn of_lights(lights: &[Light], size: [u32; 2], target: Aabb, bounds: Aabb) -> Vec<Self> {
         let mut projectors = Vec::new();
         for light in lights {
@@ -159,7 +159,7 @@ impl Projector {
     fn frustum(position: Vec3, direction: Vec3, up: Vec3, tangent: f32, intensity: Vec3, size: [u32; 2], bounds: Aabb) -> Self {
         let (direction, right, up) = frame(direction, up);
         let (right, up) = (right * tangent, up * tangent);
-        // Against the farthest that it lights, wherever it stands.
+        // Relative to the farthest corner that it can light, wherever the light is.
         let near = bounds.corners().map(|corner| corner.distance(position)).into_iter().fold(1e-6, f32::max) * 1e-4;
         Self {
             world_to_clip: perspective(position, direction, right, up, near).to_cols_array_2d(),
@@ -180,7 +180,7 @@ impl Projector {
         let extent = |axis: Vec3, of: Aabb| {
             of.corners().iter().map(|c| c.dot(axis)).fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), d| (a.min(d), b.max(d)))
         };
-        // Of the frames along the world's axes, the one whose texels are smallest.
+        // Candidates aligned to the world's axes; the one with the smallest texels wins.
         let frames = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().filter(|axis| axis.cross(direction).length() > 1e-3).flat_map(|axis| {
             let (_, right, up) = frame(direction, axis);
             [(right, up), (up, -right)]
@@ -197,11 +197,11 @@ impl Projector {
         };
         let best = frames.min_by(|a, b| shape(a).total_cmp(&shape(b)));
         let (right, up) = best.unwrap_or_else(|| unreachable!("a direction is not parallel to two axes"));
-        // A margin of a texel, so that the outermost surfaces are inside.
+        // A margin of one texel keeps the outermost surfaces inside.
         let ((x0, x1), (y0, y1), (z0, z1)) = (extent(right, target), extent(up, target), extent(direction, bounds));
         let half_width = ((x1 - x0) * 0.5 * (1.0 + 2.0 / size[0] as f32)).max(1e-6);
         let half_height = ((y1 - y0) * 0.5 * (1.0 + 2.0 / size[1] as f32)).max(1e-6);
-        // A flat scene has a depth too, or its floats could not tell it from the planes.
+        // A minimum depth, so that floats separate a flat scene from the planes.
         let depth = (z1 - z0).max(bounds.size().length() * 1e-3).max(1e-6);
         let margin = depth * 1e-3;
         let range = depth + 2.0 * margin;
@@ -224,33 +224,33 @@ impl Projector {
         }
     }
 
-    /// The half-angle of the widest map, radians: towards 90 degrees its texels would see nothing but their rims.
+    /// Half-angle of the widest map, radians. Towards 90 degrees nearly all texels would lie at the rim.
     pub const WIDEST_SPOT: f32 = 80.0 * std::f32::consts::PI / 180.0;
 
-    /// As many as the shaders' uniform block holds.
+    /// Capacity of the shaders' uniform block.
     pub const MAX: usize = 64;
 
-    /// Stands for more than one kind of light.
+    /// Kind of a set of lights of several kinds.
     pub const MIXED: u32 = 4;
 
-    /// The kind of all of these, or [`Self::MIXED`].
+    /// Common kind of these lights, or [`Self::MIXED`].
     pub fn common_kind(lights: &[Self]) -> u32 {
         let first = lights.first().map_or(Self::MIXED, |light| light.kind);
         if lights.iter().all(|light| light.kind == first) { first } else { Self::MIXED }
     }
 
-    /// Whether some of a box may be in the map.
+    /// Whether a part of a box may be in the map (conservative).
     pub fn sees(&self, bounds: Aabb) -> bool {
         sees(&self.world_to_clip, bounds)
     }
 
-    /// Distance to a box's centre, along the way of the light.
+    /// Distance to a box's centre; of a directional light, along its direction.
     pub fn distance(&self, bounds: Aabb) -> f32 {
         let way = bounds.center() - Vec3::from(self.origin);
         if self.kind == 0 { way.dot(self.direction.into()) } else { way.length() }
     }
 
-    /// World position of a point of the map, ndc in [-1, 1] with y down, at a depth that is not 0.
+    /// World position of a point of the map, given by ndc in [-1, 1] with y down, and a depth that is not 0.
     pub fn position_at(&self, ndc: Vec2, depth: f32) -> Vec3 {
         let (origin, direction) = (Vec3::from(self.origin), Vec3::from(self.direction));
         let offset = ndc.x * Vec3::from(self.right) - ndc.y * Vec3::from(self.up);

@@ -1,4 +1,4 @@
-//! What a frame shows, apart from how it is rendered.
+//! A frame's view, lighting and time: all that it shows, apart from how it is rendered.
 
 use super::projection::{Projector, View};
 use super::{World, view};
@@ -9,10 +9,10 @@ use crate::scene::{Aabb, Light};
 use anyhow::Result;
 use glam::Vec3;
 
-/// What a frame shows: seen from where, lit by what, and when.
+/// View, lighting and time of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shot {
-    /// The frame's number in its sequence; random numbers that change with the frame ask for it.
+    /// Number of the frame in its sequence; it seeds random numbers that change with the frame.
     pub index: u32,
     /// Time of the scene's animation and of all keyframes, seconds.
     pub seconds: f64,
@@ -20,12 +20,12 @@ pub struct Shot {
     pub lighting: Lighting,
 }
 
-/// What a frame is lit by.
+/// Lighting of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lighting {
-    /// The layers of the reflective shadow map; at least one.
+    /// Projectors, one a layer of the reflective shadow map; at least one.
     pub projectors: Vec<Projector>,
-    /// Radiance where the camera sees no surface.
+    /// Radiance of pixels without a surface.
     pub environment: Vec3,
 }
 
@@ -45,10 +45,10 @@ impl Shot {
 }
 
 impl Lighting {
-    /// The lights of a config's frame, or of the scene, each with a layer of the RSM; a point light has six.
+    /// Lights of a config's frame, or the scene's own. Each has one layer of the RSM; a point light has six.
     ///
     /// # Errors
-    /// `BadInput` where no light has a layer, or more layers are needed than the device has.
+    /// `BadInput` if no light has a layer, or if more layers are needed than the device has.
     pub fn of(config: &Config, world: &World, adapter: &Adapter, index: u32) -> Result<Self> {
         let lights = world.lights(config, index);
         let bounds = world.device.bounds;
@@ -80,12 +80,12 @@ impl Lighting {
 }
 
 impl World {
-    /// The lights of a config's frame: its own if it has any, else the scene's.
+    /// Lights of a config's frame: the config's if it has any, else the scene's.
     pub fn lights(&self, config: &Config, index: u32) -> Vec<Light> {
         view::lights(config, &self.scene, index)
     }
 
-    /// How a config's frame is seen.
+    /// Camera view of a config's frame.
     ///
     /// # Errors
     /// As [`view::camera`].

@@ -1,8 +1,8 @@
-//! What rays see of a scene on the device, since a ray may meet any surface: the bounding volume hierarchy with what its triangles
-//! look like, all materials and all textures' texels in an image each, and the surfaces that emit.
+//! A scene on the device for rays, which may hit any surface: the bounding volume hierarchy with its triangles' shading attributes, all
+//! materials and all textures' texels in one image each, and the list of emitters.
 //!
-//! It is made from the same arrays as what the rasterizer draws. Those buffers themselves would do for small scenes, but a software
-//! driver lets a shader see 128 MiB of one, and loads it word by word where an image gives four words at once.
+//! It is made from the same arrays as the rasterizer's scene. The rasterizer's buffers would do for small scenes. But a software driver
+//! limits a storage buffer to 128 MiB, and loads it word by word where an image gives four words at once.
 
 use super::bvh::Bvh;
 use super::device_bvh::{BvhHandles, DeviceBvh, WordImage};
@@ -18,21 +18,21 @@ use glam::{DVec3, Vec3};
 use std::time::Instant;
 
 shader_struct! {
-    /// A triangle that emits, in Walker's alias method: `glsl/reference/path.comp`.
+    /// An emitting triangle, as an entry of Walker's alias table: `glsl/reference/path.comp`.
     pub struct Emitter {
-        /// Its number in the hierarchy.
+        /// Number of the triangle in the hierarchy.
         pub triangle: u32,
-        /// The emitter that a sample falls on where it does not fall on this one.
+        /// Emitter that is taken instead with the remaining probability.
         pub other: u32,
-        /// The chance that a sample which drew this one stays on it.
+        /// Probability that a sample which drew this entry keeps it.
         pub share: f32,
     }
 }
 
-/// The image of all texels is so wide and, where it has layers, so high; `glsl/bvh/hole.glsl` divides by it.
+/// Width of the image of all texels and, if it has several layers, its height; `glsl/bvh/hole.glsl` divides by it.
 const SIDE: usize = 4096;
 
-/// What some material of a scene has: specialization constants of `glsl/bvh/`.
+/// Features that any material of a scene has: specialization constants of `glsl/bvh/`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Traits {
     base_color_maps: bool,
@@ -46,17 +46,17 @@ pub struct Traits {
     single_sides: bool,
 }
 
-/// See the module's page. The device owns all of it.
+/// A scene for rays. The device owns all of it.
 pub struct TracedScene {
     bvh: DeviceBvh,
     texels: (ImageId, [u32; 3]),
     materials: WordImage,
     emitters: Vec<Emitter>,
     emitting_root: u32,
-    /// Luminance of the flux that surfaces emit, W.
+    /// Luminance of the emitted flux, W.
     pub emitted_power: f32,
     pub traits: Traits,
-    /// How long the hierarchy took to build, the last time, milliseconds.
+    /// Time of the hierarchy's last build, milliseconds.
     pub build_ms: u64,
 }
 
@@ -68,21 +68,25 @@ pub struct TracedHandles {
     materials: Image,
     pub emitters: Buffer,
     pub emitter_count: u32,
-    /// Of the tree of the emitting triangles.
+    /// Root of the tree of emitting triangles.
     pub emitting_root: u32,
     pub traits: Traits,
 }
 
 impl TracedScene {
-    /// Builds what rays need of a scene and brings it to the device. Errors name the limit and the knob.
+    /// Builds and uploads a scene for rays.
+    ///
+    /// # Errors
+    /// `BadInput` if the scene is over a limit of the device; the error names the limit and the key.
     pub fn upload(gpu: &mut Gpu, scene: &Scene) -> Result<Self> {
         let texels = upload_texels(gpu, scene)?;
         Self::build(gpu, scene, texels)
     }
 
-    /// Builds all anew that depends on where the draws are in the host's scene, whose time was set ([`Scene::set_time`]).
+    /// Rebuilds all that depends on the draws' transforms in the host's scene, whose time was set ([`Scene::set_time`]).
     ///
-    /// Fails as [`Self::upload`], and is then as it was.
+    /// # Errors
+    /// As [`Self::upload`]; the scene for rays is then unchanged.
     pub fn follow(&mut self, gpu: &mut Gpu, scene: &Scene) -> Result<()> {
         let now = Self::build(gpu, scene, self.texels)?;
         let before = std::mem::replace(self, now);
@@ -110,10 +114,10 @@ impl TracedScene {
         })
     }
 
-    /// The scene as this frame's resources.
+    /// Imports the scene into a frame's graph.
     pub fn import(&self, g: &mut Graph) -> TracedHandles {
         let (texels, [width, height, layers]) = self.texels;
-        // A buffer is never empty; nothing samples this one.
+        // Buffers are never empty; this element is never sampled.
         let none = [Emitter { triangle: 0, other: 0, share: 1.0 }];
         TracedHandles {
             bvh: self.bvh.import(g),
@@ -128,7 +132,7 @@ impl TracedScene {
 }
 
 impl<'g> ComputePass<'g> {
-    /// Reads all that rays need: what `glsl/bvh/hole.glsl` and what it includes bind.
+    /// Binds all inputs of traversal: those of `glsl/bvh/hole.glsl` and its includes.
     pub fn traces(self, scene: &TracedHandles) -> Self {
         let has = scene.traits;
         self.reads("bvh", scene.bvh.data)
@@ -142,7 +146,7 @@ impl<'g> ComputePass<'g> {
             .constant("SINGLE_SIDES", has.single_sides)
     }
 
-    /// Reads all that the surfaces need which rays meet, beside [`Self::traces`]: what `glsl/bvh/surface.glsl` binds.
+    /// Binds all inputs of hit surfaces, in addition to [`Self::traces`]: those of `glsl/bvh/surface.glsl`.
     pub fn shades(self, scene: &TracedHandles) -> Self {
         let has = scene.traits;
         self.reads("bvh_corners", scene.bvh.corners)
@@ -171,7 +175,7 @@ fn traits(scene: &Scene) -> Traits {
     }
 }
 
-/// Where each of a scene's textures begins in the image of all texels.
+/// Offset of each texture in the image of all texels.
 pub(super) fn first_texels(scene: &Scene) -> Vec<u32> {
     let begin = |first: &mut u64, texture: &Texture| {
         let here = *first;
@@ -181,7 +185,7 @@ pub(super) fn first_texels(scene: &Scene) -> Vec<u32> {
     scene.textures.iter().scan(0, begin).collect()
 }
 
-/// Where a map's texels are: the first, width and height, and how it wraps; `TexelMap` of `glsl/bvh/hole.glsl`.
+/// Location of a map's texels: offset, width and height, wrapping and filter; `TexelMap` of `glsl/bvh/hole.glsl`.
 pub(super) fn texel_map(map: Option<Map>, scene: &Scene, first: &[u32]) -> [u32; 3] {
     let Some(map) = map else { return [0; 3] };
     let texture = &scene.textures[map.texture as usize];
@@ -197,7 +201,7 @@ pub(super) fn texel_map(map: Option<Map>, scene: &Scene, first: &[u32]) -> [u32;
     [first[map.texture as usize], texture.width | texture.height << 16, how]
 }
 
-/// All materials, 16 texels each: `glsl/bvh/surface.glsl` takes them apart.
+/// All materials, 16 texels each; `glsl/bvh/surface.glsl` unpacks them.
 fn material_words(scene: &Scene) -> Vec<u32> {
     let (first, densities) = (first_texels(scene), emitter_densities(scene));
     let mut words = Vec::with_capacity(scene.materials.len() * 64);
@@ -217,7 +221,7 @@ fn material_words(scene: &Scene) -> Vec<u32> {
     words
 }
 
-/// All textures' texels, one after the other, as an image.
+/// Uploads all textures' texels, one texture after the other, as an image.
 fn upload_texels(gpu: &mut Gpu, scene: &Scene) -> Result<(ImageId, [u32; 3])> {
     let count: usize = scene.textures.iter().map(|texture| texture.texels.len() / 4).sum();
     let rows = count.div_ceil(SIDE).max(1);
@@ -238,7 +242,7 @@ fn upload_texels(gpu: &mut Gpu, scene: &Scene) -> Result<(ImageId, [u32; 3])> {
     Ok((gpu.create_filled_image("scene/texels", Format::Rgba8Unorm, size, &texels, false)?, size))
 }
 
-/// How likely a material's surface is sampled as a light, before it is normalized: its mean luminance, both sides together.
+/// Unnormalized density by which a material's surface is sampled as a light: its mean luminance, both sides together.
 fn emitter_weight(scene: &Scene, material: &Material) -> f64 {
     let mean = material.emission_map.map_or(DVec3::ONE, |map| {
         let texture = &scene.textures[map.texture as usize];
@@ -249,7 +253,7 @@ fn emitter_weight(scene: &Scene, material: &Material) -> f64 {
         let table: Vec<f64> = (0..=255).map(curve).collect();
         let texels = texture.texels.chunks_exact(4);
         let count = texels.len().max(1) as f64;
-        // What is dark on the whole may still shine somewhere.
+        // A map that is dark on average may still shine somewhere.
         (texels.map(|t| DVec3::new(table[t[0] as usize], table[t[1] as usize], table[t[2] as usize])).sum::<DVec3>() / count)
             .max(DVec3::splat(1e-4))
     });
@@ -260,7 +264,7 @@ fn corner(record: &super::bvh::Triangle, at: usize) -> DVec3 {
     Vec3::new(f32::from_bits(record[at]), f32::from_bits(record[at + 1]), f32::from_bits(record[at + 2])).as_dvec3()
 }
 
-/// The emitting triangles, each as likely as its share of the emitted power, and that power.
+/// Alias table of the emitting triangles in proportion to their emitted power, and the total power.
 fn emitters(scene: &Scene, bvh: &Bvh) -> (Vec<Emitter>, f32) {
     let weights: Vec<f64> = scene.materials.iter().map(|material| emitter_weight(scene, material)).collect();
     if weights.iter().all(|weight| *weight == 0.0) {
@@ -278,7 +282,8 @@ fn emitters(scene: &Scene, bvh: &Bvh) -> (Vec<Emitter>, f32) {
     (aliases(&found, sum), (sum * std::f64::consts::PI) as f32)
 }
 
-/// Walker's alias table (as Vose fills it): every emitter is drawn equally often, and hands what it has too little of to another.
+/// Walker's alias table, built by Vose's method: entries are drawn uniformly, and each gives the part of its probability that it lacks to
+/// another emitter.
 fn aliases(powers: &[(u32, f64)], sum: f64) -> Vec<Emitter> {
     let mut shares: Vec<f64> = powers.iter().map(|(_, power)| power / sum * powers.len() as f64).collect();
     let mut emitters: Vec<Emitter> =
@@ -295,7 +300,7 @@ fn aliases(powers: &[(u32, f64)], sum: f64) -> Vec<Emitter> {
     emitters
 }
 
-/// Of each material, the density by which a point of its surface is sampled as a light, 1/m^2; 0 where it emits nothing.
+/// Density of each material by which a point of its surface is sampled as a light, 1/m^2; 0 if it emits nothing.
 fn emitter_densities(scene: &Scene) -> Vec<f32> {
     let weights: Vec<f64> = scene.materials.iter().map(|material| emitter_weight(scene, material)).collect();
     if weights.iter().all(|weight| *weight == 0.0) {

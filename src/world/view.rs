@@ -1,4 +1,4 @@
-//! What a frame is seen and lit by: the config's camera and lights at the frame's time, or the scene's own.
+//! Camera and lights of a frame: the config's at the frame's time, or the scene's own.
 
 use crate::config::{CameraConfig, Config, Interpolation, LightConfig, LightKeyframe};
 use crate::fail;
@@ -7,12 +7,13 @@ use anyhow::Result;
 use glam::{DVec3, Vec3};
 use std::ops::{Add, Mul, Sub};
 
-/// Vertical field of view of a camera that says none, degrees.
+/// Default vertical field of view, degrees.
 const DEFAULT_FOV_Y_DEG: f32 = 60.0;
 
-/// The camera of a frame; frame `i` is at `i / fps` seconds. `bounds` are the scene's, which a view of all of it needs.
+/// Camera of a frame; frame `i` is at `i / fps` seconds. `bounds` are the scene's, for a view that frames all of it.
 ///
-/// Fails where the config names a camera that the scene lacks, and where a path looks straight along its `up`.
+/// # Errors
+/// `BadInput` if the config names a camera that the scene lacks, or if a path looks straight along its `up`.
 pub fn camera(config: &Config, scene: &Scene, bounds: Aabb, frame_index: u32) -> Result<Camera> {
     let time = seconds(config, frame_index);
     let cameras = scene.cameras_at(time);
@@ -25,7 +26,7 @@ pub fn camera(config: &Config, scene: &Scene, bounds: Aabb, frame_index: u32) ->
         _ => on_path(wish, time),
     };
     camera.up = wish.up.map_or(camera.up, |up| unit(up.into()).as_vec3());
-    // Where keyframes say the field of view, it is theirs.
+    // A field of view in the keyframes wins over the camera's own.
     if wish.keyframes.iter().all(|key| key.fov_y_deg.is_none()) {
         camera.fov_y_deg = wish.fov_y_deg.unwrap_or(camera.fov_y_deg);
     }
@@ -39,7 +40,7 @@ pub fn camera(config: &Config, scene: &Scene, bounds: Aabb, frame_index: u32) ->
     Ok(camera)
 }
 
-/// The lights of a frame: the config's if it has any, else the scene's own.
+/// Lights of a frame: the config's if it has any, else the scene's own.
 pub fn lights(config: &Config, scene: &Scene, frame_index: u32) -> Vec<Light> {
     let time = seconds(config, frame_index);
     if config.light.is_empty() {
@@ -48,7 +49,7 @@ pub fn lights(config: &Config, scene: &Scene, frame_index: u32) -> Vec<Light> {
     config.light.iter().map(|light| light_at(light, time)).collect()
 }
 
-/// The time that a frame shows, of the scene's animation and of all keyframes: frame `i` is at `i / fps` seconds.
+/// Time of a frame, for the scene's animation and all keyframes: frame `i` is at `i / fps` seconds.
 pub fn seconds(config: &Config, frame_index: u32) -> f64 {
     f64::from(frame_index) / f64::from(config.frame.fps)
 }
@@ -66,7 +67,7 @@ fn named_camera(scene: &Scene, cameras: &[Camera], name: &str) -> Result<Camera>
     Err(fail!(BadInput, "camera.node: {} has no camera {name:?}; it has {has}", scene.name))
 }
 
-/// A view from a corner of a box, slightly from above, that all of it fits into.
+/// A view that frames a whole box, from a corner and slightly from above.
 fn framing(bounds: Aabb, size: [u32; 2]) -> Camera {
     if !(bounds.min.is_finite() && bounds.max.is_finite()) {
         return Camera { name: "default".to_owned(), ..looking(Vec3::Z, Vec3::ZERO) };
@@ -115,7 +116,7 @@ fn light_at(light: &LightConfig, time: f64) -> Light {
             }
             _ => (DVec3::NEG_Y, DVec3::NEG_Y),
         };
-        // Halfway between opposite directions there is none: the light keeps its own.
+        // Halfway between opposite directions there is no direction: the light keeps its own.
         let now = if now.length() > 1e-6 { now } else { still };
         now.normalize_or(DVec3::NEG_Y).as_vec3()
     };
@@ -144,12 +145,12 @@ fn vector(v: [f32; 3]) -> DVec3 {
     DVec3::from_array(v.map(f64::from))
 }
 
-/// In 64 bits the square of no 32-bit length overflows or vanishes.
+/// Normalized in 64 bits, in which the squared length of no 32-bit vector overflows or vanishes.
 fn unit(v: Vec3) -> DVec3 {
     v.as_dvec3().normalize_or(DVec3::Y)
 }
 
-/// The value of a track at a time: `keys` by rising time, held at both ends; `None` if there are none.
+/// Value of a track at a time. `keys` are sorted by time, and their values are held at both ends; `None` if there are none.
 fn sample<V>(keys: &[(f64, V)], time: f64, interpolation: Interpolation) -> Option<V>
 where
     V: Copy + Add<Output = V> + Sub<Output = V> + Mul<f64, Output = V>,

@@ -1,5 +1,5 @@
-//! Conservative clusters, a rival of stochastic light culling by tiles (Tokuyoshi and Harada 2017, table 2): the same VPLs, ranges and sums, by
-//! froxels that the VPLs' bounds are rasterized into.
+//! Conservative clusters, a rival of tiled stochastic light culling (Tokuyoshi and Harada 2017, table 2): the same VPLs, ranges and sums,
+//! with light lists of froxels that the hulls of the VPLs' ranges are rasterized into.
 
 use super::Indirect;
 use super::shells::Shell;
@@ -19,18 +19,18 @@ shader_struct! {
     }
 }
 
-/// Pixels of a tile's side, and slices of its depth: `glsl/gather/shell-froxel.glsl`.
+/// Pixels along a tile's side, and depth slices of a tile: `glsl/gather/shell-froxel.glsl`.
 const TILE: u32 = 16;
 const SLICES: u32 = 32;
 
-/// Bytes of what [`conservative_clusters`] keeps of one kind of VPLs: two words for each and each tile of its sample set.
+/// Bytes of the buffer that [`conservative_clusters`] keeps for one kind of VPLs: two words a VPL and tile of its sample set.
 pub(super) fn shell_bytes(size: [u32; 2], interleave: Interleave, vpls: u32) -> u64 {
     let [across, down] = interleave.pixels_of_set(size).map(|side| u64::from(side.div_ceil(TILE)));
     8 * across * down * u64::from(vpls)
 }
 
-/// Light lists of froxels, which the VPLs' bounds are conservatively rasterized into (Oertegren and Persson 2016): 20 triangles each. Counts
-/// `gather/nodes` of the lists and `gather/lost`, those that found no room.
+/// Light lists of froxels, by conservative rasterization of the VPLs' hulls of 20 triangles (Oertegren and Persson 2016). Counts
+/// `gather/nodes` of the lists, and `gather/lost`: nodes beyond the capacity, whose light is missing.
 pub(super) fn conservative_clusters(
     g: &mut Graph,
     around: Surroundings<'_>,

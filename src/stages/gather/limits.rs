@@ -1,4 +1,4 @@
-//! What the gather's methods need of a device, what they refuse, and what they say of a frame.
+//! Features that the gather's methods need, configs that they refuse, and warnings about a frame.
 
 use super::conservative::shell_bytes;
 use super::shells::CONSERVATIVE;
@@ -12,10 +12,10 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// VPLs that a pixel can sum: `glsl/gather/per-pixel.glsl` takes at most two turns for four of them.
+/// VPLs that a pixel can sum: `glsl/gather/per-pixel.glsl` takes at most two loop turns for four of them.
 const MOST_VPLS_A_PIXEL: u64 = planned_turns(50_000) * 4 / 2;
 
-/// Turns of an invocation of stochastic culling: for each VPL of its pixel one a list, and less than one beside.
+/// Loop turns of an invocation of stochastic culling: one for each VPL of its pixel on each list, and less than one for culling.
 pub const MOST_TURNS: u64 = planned_turns(60_000);
 
 impl Choice for GatherMethod {
@@ -63,7 +63,7 @@ impl Choice for Rasterization {
     }
 }
 
-/// The methods that a config's gather uses.
+/// Methods of a config's gather.
 pub fn methods(config: &Config) -> Vec<Method> {
     let gather = &config.gather;
     let culling = gather.stochastic_culling();
@@ -74,12 +74,12 @@ pub fn methods(config: &Config) -> Vec<Method> {
     methods
 }
 
-/// Whether a config's gather draws bounds of ranges.
+/// Whether a config's gather rasterizes hulls of ranges.
 pub fn needs_shells(config: &Config) -> bool {
     matches!(config.gather.stochastic_culling(), Some(StochasticCulling::Splatting | StochasticCulling::ConservativeClusters))
 }
 
-/// Refuses what the methods cannot do on every driver, or on this device.
+/// Refuses configs that the methods cannot run on every driver, or on this device.
 pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     let gather = &config.gather;
     let [width, height] = config.frame.size;
@@ -125,7 +125,7 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     Ok(())
 }
 
-/// What the config leaves to the program, by key, and what that chooses on a device.
+/// Choices that the config leaves to the program, by key, resolved for a device.
 pub fn choices(config: &Config, adapter: &Adapter) -> BTreeMap<&'static str, Value> {
     let mut choices = BTreeMap::new();
     let rasterization = config.gather.conservative_clusters.rasterization;
@@ -137,7 +137,7 @@ pub fn choices(config: &Config, adapter: &Adapter) -> BTreeMap<&'static str, Val
     choices
 }
 
-/// What a user should know of a frame's light lists by what their passes counted.
+/// Warnings about a frame's light lists, from its counters.
 pub fn warnings_of_frame(counts: &[(String, u64)]) -> Vec<String> {
     let warning = |count| {
         format!(

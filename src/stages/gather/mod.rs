@@ -1,4 +1,4 @@
-//! Irradiance at every pixel from the VPLs.
+//! Gather: irradiance at every pixel from the VPLs.
 
 mod conservative;
 mod limits;
@@ -54,18 +54,18 @@ shader_struct! {
     }
 }
 
-/// Indirect light at the pixels.
+/// Indirect light at the receivers.
 #[derive(Debug, Clone, Copy)]
 pub struct Indirect {
-    /// W/m^2; with glossy receivers less what a dielectric's coat reflects of it.
+    /// Irradiance, W/m^2; with glossy receivers less the part that a dielectric's coat reflects.
     pub irradiance: Image,
-    /// Radiance to the eye that surfaces' gloss makes of it; there where it is wanted.
+    /// Radiance that glossy receivers reflect to the eye; there if `gather.receiver` is "ggx".
     pub reflection: Option<Image>,
-    /// The pattern that sampling has left in both, which the filter is to take out.
+    /// Interleaving pattern of both images, for the filter to remove.
     pub pattern: Interleave,
 }
 
-/// Fills the slot with the config's method: the light of all bounces' VPLs.
+/// Indirect light of all bounces' VPLs, by the config's method.
 pub fn indirect(
     g: &mut Graph,
     around: Surroundings<'_>,
@@ -87,7 +87,7 @@ pub fn indirect(
     }
 }
 
-/// Light of each bounce's VPLs by itself, added up.
+/// Gathers each bounce by itself and sums the images.
 fn sum_of(g: &mut Graph, lights: &[(Vpls, Visibility)], one: impl Fn(&mut Graph, &Vpls, Visibility) -> Indirect) -> Indirect {
     let images: Vec<Indirect> =
         lights.iter().zip(1..).map(|((vpls, visibility), time)| g.again(time, |g| one(g, vpls, *visibility))).collect();
@@ -97,7 +97,7 @@ fn sum_of(g: &mut Graph, lights: &[(Vpls, Visibility)], one: impl Fn(&mut Graph,
     Indirect { irradiance, reflection, pattern: images[0].pattern }
 }
 
-/// All of some images; the names are the pass's and the sum's.
+/// Sum of images, or `None` of none; `names` are the pass's and the image's.
 fn total(g: &mut Graph, names: [&'static str; 2], mut images: impl Iterator<Item = Image>) -> Option<Image> {
     let first = images.next()?;
     Some(images.zip(1..).fold(first, |sum, (image, time)| g.again(time, |g| add(g, names, sum, image))))
@@ -115,11 +115,11 @@ fn add(g: &mut Graph, [pass, name]: [&'static str; 2], first: Image, second: Ima
     sum
 }
 
-/// Every pixel takes one of every `interleave^2` VPLs (Linke 2016, section 4.5), but for those that cannot shine on it.
+/// Sums one in `interleave^2` of the VPLs at every pixel (Linke 2016, section 4.5), without VPLs that face away if there is culling.
 fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: Visibility, config: &GatherConfig) -> Indirect {
     let (gbuffer, interleave) = (around.gbuffer, around.wants.interleave);
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
-    // A workgroup of 8 x 4 invocations, each of which takes 2 x 2 pixels of its set.
+    // A workgroup has 8 x 4 invocations, and an invocation has 2 x 2 pixels of the sample set.
     let groups = interleave.groups(gbuffer.size, [16, 8]);
     let name = match config.per_pixel.culling {
         Culling::None => "gather/per-pixel",
@@ -145,14 +145,14 @@ fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: V
     Indirect { irradiance, reflection: None, pattern: interleave }
 }
 
-/// A pass that looks shadows up in imperfect shadow maps.
+/// Begins a pass that looks up imperfect shadow maps.
 fn in_maps<'g>(g: &'g mut Graph, name: &'static str, ism: Ism) -> ComputePass<'g> {
     let block = IsmBlock { far: ism.far, bias: ism.bias, size: ism.size as i32, columns: ism.columns };
     let block = g.upload("gather/ism", &[block]);
     g.compute(name).reads("ism", block).reads("maps", ism.maps).constant("BILINEAR", ism.lookup == Lookup::Bilinear)
 }
 
-/// Begins a pass that asks what pixels see of VPLs: with the parts for one kind of visibility, and what those read.
+/// Begins a pass's variant for one kind of visibility, and binds the resources that this reads.
 fn shadowed<'g>(g: &'g mut Graph, name: &'static str, visibility: Visibility) -> ComputePass<'g> {
     match visibility {
         Visibility::None => g.compute(name),
@@ -174,24 +174,24 @@ fn shadowed<'g>(g: &'g mut Graph, name: &'static str, visibility: Visibility) ->
     }
 }
 
-/// The light lists of the froxels that hold pixels.
+/// Light lists of the froxels that hold pixels.
 struct Froxels {
-    /// A froxel's list, by tile and slice; `glsl/gather/froxel.glsl`.
+    /// Number of a froxel's light list, by tile and slice; `glsl/gather/froxel.glsl`.
     rows: Buffer,
-    /// Lists in parts: how many VPLs are in the part, and which.
+    /// Light lists in parts: each part's count, then the numbers of its VPLs.
     lists: Buffer,
 }
 
-/// Pixels of a tile's side, and slices of its depth.
+/// Pixels along a tile's side, and depth slices of a tile.
 const TILE: u32 = 128;
 const SLICES: u32 = 16;
 
-/// Parts of a light list: whole sets of pixels' VPLs, and 16 at least, so that lists are made by several invocations.
+/// Parts of a light list: a multiple of the sample sets, and at least 16, so that several invocations share the making of a list.
 fn parts(interleave: Interleave) -> u32 {
     interleave.sets().max(16)
 }
 
-/// Finds the froxels that hold pixels, and which VPLs shine into each (Linke 2016, section 4.6.1).
+/// Light lists of the froxels that hold pixels (Linke 2016, section 4.6.1).
 fn froxels(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, interleave: Interleave) -> Froxels {
     let [across, down] = gbuffer.size.map(|n| n.div_ceil(TILE));
     let tiles = across * down;

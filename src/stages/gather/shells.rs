@@ -1,4 +1,4 @@
-//! Bounding geometry of the unit sphere: an icosahedron around it, and one whose faces are cut in four.
+//! Hulls of the unit sphere: an icosahedron around it, and one with its faces cut in four.
 
 use crate::gpu::{BufferId, Feature, Gpu};
 use crate::graph::{Buffer, DrawList, Graph};
@@ -8,26 +8,26 @@ use anyhow::Result;
 use glam::Vec3;
 use std::collections::BTreeMap;
 
-/// What a device must have to rasterize the shells conservatively by itself.
+/// Features for conservative rasterization by the device.
 pub const CONSERVATIVE: &[Feature] = &[Feature::ConservativeRasterization, Feature::ClipDistance];
 
-/// How many triangles bound a sphere.
+/// Hulls, by their number of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shell {
-    /// Twenty, of which a shader finds each triangle's three corners by `gl_VertexIndex` in [`Shells::corners`].
+    /// Twenty, unindexed: a shader finds all three corners of a vertex's triangle by `gl_VertexIndex` in [`Shells::corners`].
     Corners,
     Twenty,
     Eighty,
 }
 
-/// The shells' buffers on the device; they are made once.
+/// Hulls on the device; they are made once.
 pub struct Shells {
     vertices: (BufferId, u32),
     indices: (BufferId, u32),
-    /// First index, number of indices and first vertex of each.
+    /// First index, number of indices and first vertex of each hull.
     ranges: [[u32; 3]; 3],
     corners: Vec<[f32; 3]>,
-    /// The device can rasterize them conservatively by itself.
+    /// Whether the device rasterizes conservatively by itself.
     pub conservative: bool,
 }
 
@@ -41,7 +41,7 @@ impl Shells {
         let solids = [(corners.clone(), apart), (points, triangles), around_the_sphere(divided(&icosahedron()))];
         for (range, (points, triangles)) in ranges.iter_mut().zip(solids) {
             *range = [indices.len() as u32, 3 * triangles.len() as u32, vertices.len() as u32];
-            // Counter-clockwise from outside; in the view's space, which is left-handed, whoever drops back faces keeps the far sides.
+            // Counter-clockwise from outside. View space is left-handed, so culling back faces there keeps the far sides.
             indices.extend(triangles.iter().flatten());
             vertices.extend(points.iter().map(|p| Vertex {
                 position: (*p).into(),
@@ -60,7 +60,7 @@ impl Shells {
         })
     }
 
-    /// The shells as this frame's resources.
+    /// Imports the hulls into a frame's graph.
     pub fn import(&self, g: &mut Graph) -> FrameShells<'_> {
         FrameShells {
             shells: self,
@@ -79,17 +79,17 @@ pub struct FrameShells<'f> {
 }
 
 impl FrameShells<'_> {
-    /// Whether the device can rasterize them conservatively by itself.
+    /// Whether the device rasterizes conservatively by itself.
     pub fn conservative(&self) -> bool {
         self.shells.conservative
     }
 
-    /// Corners of [`Shell::Corners`]: three of each triangle, one after the other.
+    /// Corners of [`Shell::Corners`]: three a triangle.
     pub fn corners(&self, g: &mut Graph, name: &str) -> Buffer {
         g.upload(name, &self.shells.corners)
     }
 
-    /// So many instances of one, with these constants; the far sides alone where `far_sides`.
+    /// Draw list of `instances` instances of a hull, with these specialization constants; `far_sides` culls the near sides.
     pub fn list(
         &self,
         g: &mut Graph,
@@ -126,7 +126,7 @@ fn icosahedron() -> Solid {
     for (a, b) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {
         points.extend([Vec3::new(0.0, a, b), Vec3::new(a, b, 0.0), Vec3::new(b, 0.0, a)].map(Vec3::normalize));
     }
-    // Three corners make a face where each is as near to the others as corners are.
+    // Three corners form a face if each two are an edge's length apart.
     let edge = 2.0 / (1.0 + golden * golden).sqrt() + 1e-3;
     let near = |i: usize, j: usize| points[i].distance(points[j]) < edge;
     let mut triangles = Vec::new();
@@ -144,7 +144,7 @@ fn icosahedron() -> Solid {
     (points, triangles)
 }
 
-/// Each triangle in four, the new corners on the sphere.
+/// Each triangle cut in four, with the new corners on the sphere.
 fn divided((points, triangles): &Solid) -> Solid {
     let mut all = points.clone();
     let mut middles: BTreeMap<[u32; 2], u32> = BTreeMap::new();
@@ -161,7 +161,7 @@ fn divided((points, triangles): &Solid) -> Solid {
     (all, fine)
 }
 
-/// Grown until no face cuts into the sphere, and by what narrow lobes round to beside.
+/// Hull scaled until no face cuts into the sphere, and by 2.4 % more for the rounding of narrow lobes.
 fn around_the_sphere((points, triangles): Solid) -> Solid {
     let nearest = triangles
         .iter()

@@ -1,5 +1,5 @@
-//! Splatting, a rival of stochastic light culling by tiles (Tokuyoshi and Harada 2017, table 2): the same VPLs, ranges and sums, by drawing every
-//! VPL's bounds over the pixels that it may shine on.
+//! Splatting, a rival of tiled stochastic light culling (Tokuyoshi and Harada 2017, table 2): the same VPLs, ranges and sums, by
+//! rasterizing the hull of every VPL's range over the picture.
 
 use super::Indirect;
 use super::shells::Shell;
@@ -17,7 +17,7 @@ shader_struct! {
     }
 }
 
-/// Every VPL's bounds are drawn, and add its light to the pixels that they cover (Dachsbacher and Stamminger 2006): 80 triangles each.
+/// Rasterizes every VPL's hull of 80 triangles and blends its light into the pixels covered (Dachsbacher and Stamminger 2006).
 pub(super) fn splatting(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, roulette: Roulette, config: &GatherConfig) -> Indirect {
     let (gbuffer, shells, interleave) = (around.gbuffer, around.residents.shells(), around.wants.interleave);
     let Ranges { spheres, spheroids, chances, lobes } = ranges(g, gbuffer, vpls, roulette, config);

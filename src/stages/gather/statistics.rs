@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-/// Of VPLs by their kind: how many are on a pixel's lists and how many of those shine there, and what share of the former does not
-/// (the false discovery rate). Empty where nothing was counted.
+/// Means a pixel, for diffuse and glossy VPLs: VPLs on its light lists, VPLs among these that shine there, and the share that does not (the
+/// false discovery rate). Empty without counters.
 pub fn means(counts: &BTreeMap<String, u64>) -> BTreeMap<String, f64> {
     let of = |name: &str| counts.get(name).map(|count| *count as f64);
     let mut means = BTreeMap::new();

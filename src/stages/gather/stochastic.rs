@@ -1,4 +1,5 @@
-//! Stochastic light culling (Tokuyoshi and Harada 2017): VPLs shine as far as a random number each lets them.
+//! Stochastic light culling (Tokuyoshi and Harada 2017): Russian roulette with one random number a VPL gives the VPL a finite range,
+//! without bias.
 
 use super::shells::{FrameShells, Shell};
 use super::{Indirect, Visibility, shadowed};
@@ -42,7 +43,7 @@ impl StochasticParams {
     }
 }
 
-/// What the random numbers of a frame start from.
+/// Seed of a frame's Russian roulette.
 #[derive(Debug, Clone, Copy)]
 pub struct Roulette(u32);
 
@@ -50,23 +51,23 @@ impl Roulette {
     pub fn of(config: &Config, frame: u32) -> Self {
         Self(match config.gather.stochastic.roulette {
             RouletteChoice::Fixed | RouletteChoice::None => config.frame.seed,
-            // Far from those of other seeds.
+            // A golden-ratio stride keeps the seeds of frames far from other seeds.
             RouletteChoice::PerFrame => config.frame.seed.wrapping_add(0x9e37_79b9_u32.wrapping_mul(frame + 1)),
         })
     }
 }
 
-/// A tile of 16 x 16 pixels of a sample set, whose lists are made and summed in one pass.
+/// Side of a tile, pixels of one sample set; its light lists are made and summed in one pass.
 const TILE: u32 = 16;
 
-/// Where the VPLs may shine.
+/// Stochastic ranges of the VPLs.
 pub(super) struct Ranges {
-    /// Of the diffuse ones, in the view's space: centre and radius.
+    /// Ranges of diffuse VPLs, in view space: centre and radius.
     pub spheres: Buffer,
     pub spheroids: Buffer,
-    /// The random numbers of the diffuse VPL and of the lobe.
+    /// Random numbers of the diffuse VPL and of the lobe.
     pub chances: Buffer,
-    /// The lobes, or what stands in their place where there are none.
+    /// Lobes, or a buffer of one dark lobe if there are none.
     pub lobes: Buffer,
 }
 
@@ -102,12 +103,12 @@ pub(super) fn ranges(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, Roulette(see
     ranges
 }
 
-/// Whether diffuse VPLs have a coat that takes its share of their light: where that shines as lobes.
+/// Whether a glossy coat takes its Fresnel share out of diffuse VPLs: only if lobes carry that share.
 pub(super) fn is_coated(vpls: &Vpls, dielectric: Dielectric) -> bool {
     dielectric == Dielectric::Ggx && vpls.lobes.is_some()
 }
 
-/// Bounding geometry of both kinds of VPLs' ranges, for a pass that tells them apart by its constant `GLOSSY`.
+/// Hulls of both kinds of ranges, for a pass that distinguishes them by its constant `GLOSSY`.
 pub(super) fn bounds(g: &mut Graph, shells: FrameShells<'_>, vpls: &Vpls, shell: Shell, far_sides: bool) -> Vec<DrawList> {
     let mut lists = Vec::new();
     if vpls.diffuse {
@@ -119,7 +120,7 @@ pub(super) fn bounds(g: &mut Graph, shells: FrameShells<'_>, vpls: &Vpls, shell:
     lists
 }
 
-/// Culls by tiles and sums in one pass (section 5).
+/// Culls VPLs by tiles and sums them in one pass (section 5).
 pub(super) fn tiled(
     g: &mut Graph,
     around: Surroundings<'_>,
@@ -166,9 +167,9 @@ pub(super) fn tiled(
     Indirect { irradiance, reflection: reflects.then_some(reflection), pattern: interleave }
 }
 
-/// Pictures how many VPLs pixels have on their lists and how many of those do not shine on them (figures 9 and 10), and counts
-/// `gather/pixels` and pairs of them and VPLs: `gather/diffuse-listed`, of which `gather/diffuse-lit` shine and `gather/diffuse-wrong` do not, and
-/// likewise for glossy ones. A pixel's list is that of its own half of the tile; where pixels of both halves go together they walk both.
+/// Draws the length of pixels' light lists and their false discovery rate (figures 9 and 10). Counts `gather/pixels`, and pairs of pixel
+/// and VPL: `gather/diffuse-listed`, of which `gather/diffuse-lit` shine and `gather/diffuse-wrong` do not; the same for glossy VPLs. A
+/// pixel's list is that of its half of the tile; a subgroup with pixels of both halves walks both.
 pub(super) fn statistics(g: &mut Graph, gbuffer: &GBuffer, numbers: Image) {
     let picture = g.image("gather/statistics", Format::Rgba8Unorm, gbuffer.size);
     let names = ["pixels", "diffuse-listed", "diffuse-lit", "diffuse-wrong", "glossy-listed", "glossy-lit", "glossy-wrong"];

@@ -1,5 +1,5 @@
-//! Points for each VPL by the solid angle under which it sees them: the adaptivity that Linke 2016 asks for (section 5.4.6). All
-//! points of the scene are a pool, in clusters of neighbours; each VPL draws as many of them as it would get at random.
+//! Points drawn for each VPL in proportion to the solid angle that they subtend: the adaptivity that Linke 2016 asks for (section 5.4.6).
+//! All points of the scene form a pool of clusters of neighbours. All maps together get as many points as the uniform set would draw.
 
 use super::Surroundings;
 use super::points::{Point, Points, PointsParams, goes_through, upload_chunks};
@@ -47,15 +47,15 @@ shader_struct! {
     }
 }
 
-/// `MOST_CLUSTERS` of `glsl/visibility/points-adaptive.comp`: their sums fit into the memory that a workgroup shares.
+/// `MOST_CLUSTERS` of `glsl/visibility/points-adaptive.comp`: the largest number whose sums fit into a workgroup's shared memory.
 const MOST_CLUSTERS: u32 = 6144;
 
-/// Draws `point_count * collected` points in all for the VPLs' maps, as many for each, from about `point_count` different ones; small triangles'
-/// points are thinned where `thin`.
+/// Draws `point_count * collected` points in all for the VPLs' maps, from a pool of about `point_count` different ones. `thin` thins out
+/// the points of small triangles by Russian roulette.
 pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point_count: u32, collected: u32, thin: bool) -> Points {
     let table = around.residents.triangles().table;
     let max_area = table.max_area(point_count, thin);
-    // Each triangle's points have a place in the pool, whether they are thinned out or not.
+    // A triangle's points have slots in the pool even if they are thinned out.
     let most = table.points(max_area, false) as u32 + 1024;
     let each = most.div_ceil(MOST_CLUSTERS).max(64);
     let clusters = most.div_ceil(each);

@@ -1,5 +1,5 @@
-//! Imperfect shadow maps (Ritschel et al. 2008; Linke 2016, sections 3.3 and 4.4): a small paraboloid map for every VPL, made of
-//! points that stand for the scene's triangles, each map of other points.
+//! Imperfect shadow maps (Ritschel et al. 2008; Linke 2016, sections 3.3 and 4.4): a small paraboloid map for every VPL, splatted from
+//! points of the scene's triangles. Each map gets other points.
 
 use super::points::{self, Points, PointsParams};
 use super::{Surroundings, Visibility, VisibilityConfig, adaptive, pull_push};
@@ -36,36 +36,36 @@ shader_struct! {
     }
 }
 
-/// By how much radii grow where the config does not say. The pull phase closes the holes that disks of a surface's area leave in it; it
-/// closes fewer where points are few or small, and where normals are kept.
+/// Default growth of radii. The pull phase closes the holes that disks of a surface's area leave in it; it closes fewer where points are
+/// few or small, and where normals are kept.
 const SINGLE_PIXEL_ENLARGE: f32 = 1.0;
 const ADAPTIVE_ENLARGE: f32 = 1.1;
 const TILTED_ENLARGE: f32 = 1.25;
 const SPLAT_ENLARGE: f32 = 0.9;
 
-/// The maps of all VPLs, side by side in one image.
+/// Maps of all VPLs, tiled in one image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ism {
-    /// Distances over `far`, and 1 where there is nothing.
+    /// Distance over `far`; 1 where a map sees no surface.
     pub maps: Image,
-    /// Side of a map, texels: a power of two.
+    /// Side of a map, texels; a power of two.
     pub size: u32,
     /// Maps side by side; VPL i has column `i % columns`, row `i / columns`.
     pub columns: u32,
     /// The scene's diagonal, metres.
     pub far: f32,
-    /// In widths of a texel.
+    /// Depth bias, widths of a texel.
     pub bias: f32,
     pub lookup: Lookup,
 }
 
-/// Columns and rows of the square of maps that holds `count`; full rows first.
+/// Columns and rows of the tiling of `count` maps: nearly a square, rows filled first.
 fn layout(count: u32) -> [u32; 2] {
     let columns = f64::from(count).sqrt().ceil() as u32;
     [columns, count.div_ceil(columns)]
 }
 
-/// Points that a partition holds: what the config says, or so many that none overflows but by a wonder.
+/// Capacity of a partition, points: from the config, or the mean plus ten standard deviations, so that overflow is practically impossible.
 pub fn partition_capacity(config: &VisibilityConfig, points: f64, partitions: u32) -> u32 {
     let mean = points / f64::from(partitions);
     let enough = mean + 10.0 * mean.sqrt() + 32.0;
@@ -89,26 +89,26 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, confi
     })
 }
 
-/// How coarse a map is, in texels: its texels, and the distances between its points. The receiver is compared so far behind it.
+/// Bias of the lookup, in texels: it grows with the coarseness of the map, by its texels and by the distances between its points.
 fn bias(config: &VisibilityConfig, count: u32) -> f32 {
     let points = config.ism.point_count as f32 * collected(config, count) as f32 / count as f32;
     let texels = config.ism.map_size as f32;
     config.bias * (1.0 + texels * texels / (4.0 * points)).sqrt()
 }
 
-/// VPLs that a point is considered for.
+/// VPLs that a point is tested against.
 fn considered(config: &VisibilityConfig, count: u32) -> u32 {
     let default = if config.ism.renderer == IsmRenderer::Splat { 1 } else { 16 };
     config.ism.considered.unwrap_or(default).min(count)
 }
 
-/// VPLs that a point is drawn for, at most.
+/// Maps that a point is drawn into, at most.
 fn collected(config: &VisibilityConfig, count: u32) -> u32 {
     let default = if config.ism.renderer == IsmRenderer::Splat { 1 } else { 4 };
     config.ism.collected.unwrap_or(default).min(considered(config, count))
 }
 
-/// Points as single pixels, and the holes between them filled (section 4.4.3 and 4.4.4).
+/// Points as single pixels, with a pull-push pass that fills the holes between them (sections 4.4.3 and 4.4.4).
 fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
     let points = match config.ism.points {
         PointSet::Uniform => points::collect(g, around, vpls.count, config),
@@ -140,7 +140,7 @@ fn clear(g: &mut Graph, name: &'static str, target: Image) {
     ]);
 }
 
-/// What passes over all points have in common.
+/// Bindings and parameters that passes over all points share.
 struct Drawing<'f> {
     around: Surroundings<'f>,
     vpls: &'f Vpls,
@@ -179,7 +179,7 @@ impl Drawing<'_> {
     }
 }
 
-/// Points as squares of their size, straight from the tessellator (section 4.4.2).
+/// Points as squares of their size, drawn directly from the tessellator (section 4.4.2).
 fn splat(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
     let [columns, rows] = layout(vpls.count);
     let size = [columns * config.ism.map_size, rows * config.ism.map_size];
@@ -201,7 +201,7 @@ fn splat(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &Visibili
     );
     let patches = around.residents.triangles().table.patch_list(g, around.scene, "visibility/patches", max_area);
     let params = PointsParams { max_area, diagonal, partitions: vpls.count, capacity: 0, seed: around.wants.seed };
-    // A geometry stage that may give many points is slow even where it gives one.
+    // A geometry stage that may emit many points is slow even where it emits one.
     let most = if collected > 1 { "visibility/most-several" } else { "visibility/most-one" };
     g.raster("visibility/splat")
         .part("most", most)

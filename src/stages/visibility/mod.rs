@@ -1,4 +1,4 @@
-//! Which VPLs a point sees.
+//! Visibility of VPLs from receivers.
 
 mod adaptive;
 mod ism;
@@ -28,27 +28,27 @@ use crate::world::device::FrameScene;
 use crate::world::traced::TracedHandles;
 use anyhow::Result;
 
-/// What the gather tests a VPL's visibility with.
+/// Visibility data that the gather tests VPLs with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Visibility {
-    /// Nothing hides anything.
+    /// No shadows.
     None,
-    /// A bit for each pixel and VPL that it takes: 32 a word, layer after layer.
+    /// Exact visibility: a bit a pixel and VPL of its sample set, 32 VPLs a word, one layer for each 32.
     Bits(Image),
-    /// A small map a VPL.
+    /// A small map for each VPL.
     Ism(Ism),
-    /// A small map for several VPLs: of each which one, and the places that the maps are seen from.
+    /// A small map for several VPLs: `labels` gives each VPL's map, `proxies` the places that maps are seen from.
     SharedIsm { ism: Ism, labels: Buffer, proxies: Buffer },
-    /// A map a cluster of VPLs; the bias is in widths of a texel.
+    /// A map for each cluster of VPLs; the bias is in widths of a texel.
     Clusters { clusters: VplClusters, bias: f32, lookup: Lookup },
 }
 
-/// What a method may look at.
+/// Inputs of visibility methods.
 #[derive(Clone, Copy)]
 pub struct Surroundings<'f> {
     pub scene: FrameScene<'f>,
     pub residents: FrameResidents<'f>,
-    /// What rays meet; `None` where no method traces any.
+    /// Acceleration structure for rays; `None` if no method traces rays.
     pub traced: Option<&'f TracedHandles>,
     pub gbuffer: &'f GBuffer,
     pub rsm: &'f Rsm,
@@ -97,17 +97,17 @@ impl Choice for IsmRenderer {
     }
 }
 
-/// Whether a config's frames make imperfect shadow maps, and so points of the scene's triangles.
+/// Whether a config renders imperfect shadow maps, and so needs points of the scene's triangles.
 pub fn needs_triangles(config: &Config) -> bool {
     config.visibility_methods().any(|method| method == VisibilityMethod::ImperfectShadowMaps)
 }
 
-/// Whether a config's VPLs have their shadows by rays.
+/// Whether a config traces shadow rays to VPLs.
 pub fn needs_rays(config: &Config) -> bool {
     config.visibility_methods().any(|method| method == VisibilityMethod::RayTraced)
 }
 
-/// Refuses what the methods cannot do on every driver, or on this device.
+/// Refuses configs that the methods cannot run on every driver, or on this device.
 pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     if let Some(shared) = config.shared_maps() {
         let each = facts.texels / u64::from(shared.max(facts.maps).max(1));
@@ -134,7 +134,7 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     Ok(())
 }
 
-/// What a user should know of a frame's maps by what their passes counted.
+/// Warnings about a frame's maps, from its counters.
 pub fn warnings_of_frame(counts: &[(String, u64)]) -> Vec<String> {
     let warning = |count| {
         format!(
@@ -144,8 +144,7 @@ pub fn warnings_of_frame(counts: &[(String, u64)]) -> Vec<String> {
     counted(counts, "visibility/dropped-points").filter(|count| *count > 0).map(warning).collect()
 }
 
-/// The VPLs of each bounce, with what they see: fills the slot with the config's method for the first ones, and with
-/// `bounce.visibility` for the others.
+/// VPLs of each bounce with their visibility: by the config's method for the first bounce, by `bounce.visibility` for further ones.
 pub fn render(g: &mut Graph, around: Surroundings<'_>, bounces: &[Bounce], config: &VisibilityConfig) -> Vec<(Vpls, Visibility)> {
     let of_bounce = |(bounce, number): (&Bounce, u32)| {
         let visibility = g.again(number, |g| match (around.wants.shared_maps, number) {

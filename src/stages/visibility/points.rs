@@ -1,4 +1,4 @@
-//! Points from the scene's triangles, in a partition a VPL (Linke 2016, section 4.4.1). `glsl/visibility/point.glsl` has the rule.
+//! Points from the scene's triangles, in one partition a VPL (Linke 2016, section 4.4.1). `glsl/visibility/point.glsl` has the rule.
 
 use super::ism::partition_capacity;
 use super::triangles::ChunkData;
@@ -14,11 +14,11 @@ shader_struct! {
         pub packed: u32,
     }
 
-    /// Of the passes that make points.
+    /// Parameters of the passes that make points.
     pub struct PointsParams {
-        /// Of a small triangle, m^2.
+        /// Largest area of a small triangle, m^2.
         pub max_area: f32,
-        /// Of the scene's bounds, metres.
+        /// Diagonal of the scene's bounds, metres.
         pub diagonal: f32,
         pub partitions: u32,
         pub capacity: u32,
@@ -29,16 +29,16 @@ shader_struct! {
 /// Points by partition.
 #[derive(Debug, Clone, Copy)]
 pub struct Points {
-    /// Of all partitions, one after the other.
+    /// Points of all partitions, one partition after the other.
     pub points: Buffer,
-    /// Where each partition begins, and the last one's end.
+    /// Start of each partition, and the end of the last one.
     pub begins: Buffer,
-    /// How many points came to each partition; where they are more than it has room for, it has lost some.
+    /// Points that were made for each partition. A partition has lost some if this is over its capacity.
     pub fill: Buffer,
     pub partitions: u32,
 }
 
-/// Makes the points by the config's way.
+/// Makes the points with the method that the config chooses.
 pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, config: &VisibilityConfig) -> Points {
     let table = around.residents.triangles().table;
     let max_area = table.max_area(config.ism.point_count, config.ism.thin);
@@ -58,7 +58,7 @@ pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, 
     points
 }
 
-/// An invocation a point, on all cores.
+/// Points by a compute shader: an invocation a point.
 fn computed(g: &mut Graph, around: Surroundings<'_>, points: Points, params: &PointsParams, thin: bool) {
     let (chunks, groups) = upload_chunks(g, around, params.max_area);
     goes_through(g.compute("visibility/points-computed"), around, chunks)
@@ -69,7 +69,7 @@ fn computed(g: &mut Graph, around: Surroundings<'_>, points: Points, params: &Po
         .dispatch_groups([groups, 1, 1]);
 }
 
-/// The thesis's way: the tessellator cuts, and the geometry stage makes the points.
+/// The thesis's method: the tessellator subdivides, and the geometry stage makes the points.
 fn tessellated(g: &mut Graph, around: Surroundings<'_>, points: Points, params: &PointsParams, thin: bool) {
     let patches = around.residents.triangles().table.patch_list(g, around.scene, "visibility/patches", params.max_area);
     g.raster("visibility/points-tessellated")
@@ -81,13 +81,13 @@ fn tessellated(g: &mut Graph, around: Surroundings<'_>, points: Points, params: 
         .draw(patches);
 }
 
-/// The triangles in chunks, a workgroup each.
+/// Uploads the triangles in chunks of one workgroup each, and returns their number.
 pub(super) fn upload_chunks(g: &mut Graph, around: Surroundings<'_>, max_area: f32) -> (Buffer, u32) {
     let chunks = around.residents.triangles().table.chunks(max_area);
     (g.upload::<ChunkData>("visibility/chunks", &chunks), chunks.len() as u32)
 }
 
-/// Reads what `glsl/visibility/triangles.glsl` binds.
+/// Binds the buffers that `glsl/visibility/triangles.glsl` reads.
 pub(super) fn goes_through<'g>(pass: ComputePass<'g>, around: Surroundings<'_>, chunks: Buffer) -> ComputePass<'g> {
     pass.reads("chunks", chunks)
         .reads("draws", around.scene.draws)

@@ -1,5 +1,5 @@
-//! Surfaces from single pixels (Marroquim et al. 2007; Linke 2016, section 4.4.4): the pull phase condenses four texels into one of
-//! the next coarser level, the push phase fills what is empty or hidden from the coarser one.
+//! Surfaces from single pixels (Marroquim et al. 2007; Linke 2016, section 4.4.4). The pull phase averages four texels into one of the next
+//! coarser level. The push phase fills empty and hidden texels from the coarser level.
 
 use super::VisibilityConfig;
 use crate::gpu::Format;
@@ -9,14 +9,14 @@ use crate::shader_struct;
 shader_struct! {
     struct PullParams {
         size: [i32; 2],
-        /// Of the coarser level's texels, in those of the finest.
+        /// Width of a texel of the coarser level, in texels of the finest.
         texel: f32,
     }
 
     struct PushParams {
         size: [i32; 2],
         tile: i32,
-        /// Of the finer level's texels in one of the finest level's.
+        /// Texels of the finer level along one of the finest level.
         scale: f32,
     }
 }
@@ -42,7 +42,7 @@ const PUSH: [&str; 8] = [
     "visibility/push-7",
 ];
 
-/// Fills the holes of maps of single pixels; passes are named by the level that they write. `tilts` are there where normals are kept.
+/// Fills the holes in maps of single pixels; passes are named by the level that they write. `tilts` are given if normals are kept.
 pub(super) fn fill(g: &mut Graph, pixels: Image, tilts: Option<Image>, config: &VisibilityConfig) -> Image {
     // The coarsest level has one texel a map.
     let levels = config.ism.map_size.ilog2() as usize;
@@ -78,7 +78,7 @@ pub(super) fn fill(g: &mut Graph, pixels: Image, tilts: Option<Image>, config: &
         } else {
             pass.shader("visibility/push").updates("finer", pulled[level - 1])
         };
-        // An invocation fills the four texels around a corner of the coarser level's.
+        // An invocation fills the four texels around a corner of a coarser texel.
         pass.reads("coarser", pulled[level])
             .constant("CLAMP", config.ism.clamp)
             .params(&PushParams { size: signed(level), tile: (config.ism.map_size >> level) as i32, scale: 1.0 / (1u32 << level) as f32 })

@@ -1,4 +1,4 @@
-//! Exact visibility: a bit for each pixel and VPL.
+//! Exact visibility by rays: a bit for each pixel and VPL.
 
 use super::Visibility;
 use crate::gpu::Format;
@@ -15,10 +15,10 @@ shader_struct! {
     }
 }
 
-/// VPLs whose bits a texel holds.
+/// VPLs whose bits fit into a texel.
 pub const BITS: u32 = 32;
 
-/// A ray from every pixel to every VPL that it takes: exact, and as slow as that.
+/// A shadow ray from every pixel to every VPL of its sample set: exact, and slow.
 pub(super) fn render(g: &mut Graph, traced: &TracedHandles, gbuffer: &GBuffer, vpls: &Vpls, interleave: Interleave) -> Visibility {
     let layers = interleave.per_pixel(vpls.count).div_ceil(BITS);
     let visible = g.layered_image("visibility/visible", Format::R32Uint, gbuffer.size, layers);

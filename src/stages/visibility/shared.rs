@@ -1,5 +1,5 @@
-//! Imperfect shadow maps that neighbouring VPLs share: 65,536 maps of their own would take a gigabyte, and VPLs of adjoining texels see much
-//! the same.
+//! Imperfect shadow maps that neighbouring VPLs share. 65,536 maps, one a VPL, would take a gigabyte, and VPLs of adjoining texels see
+//! nearly the same. The cost is bias: a VPL is shadowed from its neighbour's place.
 
 use super::{Surroundings, Visibility, VisibilityConfig, ism};
 use crate::graph::Graph;
@@ -16,10 +16,10 @@ shader_struct! {
     }
 }
 
-/// Texels whose VPLs share a map: `glsl/visibility/proxies.comp` takes about nine turns for each.
+/// Texels whose VPLs share a map, at most: `glsl/visibility/proxies.comp` takes about nine loop turns for each.
 pub const MOST_TEXELS_A_MAP: u64 = planned_turns(36_864) / 9;
 
-/// Blocks of a map's texels, as square as may be, of which all layers have at most `maps`.
+/// Blocks across and down a layer, nearly square, of which all layers together have at most `maps`.
 fn blocks(size: [u32; 2], layers: u32, maps: u32) -> [u32; 2] {
     let each = (maps / layers).max(1);
     let columns = (f64::from(each) * f64::from(size[0]) / f64::from(size[1])).sqrt() as u32;
@@ -27,7 +27,7 @@ fn blocks(size: [u32; 2], layers: u32, maps: u32) -> [u32; 2] {
     [columns, (each / columns).clamp(1, size[1])]
 }
 
-/// A map for each block of texels, seen from the lit VPL nearest to its middle. The VPLs are those of every texel.
+/// A map for each block of texels, seen from the lit VPL nearest to the block's middle. `vpls` must have one VPL a texel.
 pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, maps: u32, config: &VisibilityConfig) -> Visibility {
     let blocks = blocks(around.rsm.size, around.rsm.layers, maps);
     let count = blocks[0] * blocks[1] * around.rsm.layers;

@@ -1,5 +1,5 @@
-//! Triangles of a scene as the points of imperfect shadow maps are made from them: positions by themselves, chunks that a workgroup
-//! takes, and areas. They are made once, of the scene at rest.
+//! Triangles of a scene, prepared for the points of imperfect shadow maps: positions without other attributes, chunks of one workgroup
+//! each, and a histogram of areas. They are made once, from the scene at rest.
 
 use crate::gpu::{BufferId, Gpu};
 use crate::graph::{Buffer, DrawList, Graph};
@@ -16,18 +16,18 @@ shader_struct! {
         pub triangles: u32,
         pub vertex_offset: u32,
         pub draw: u32,
-        /// Of `slices` workgroups that share the chunk's points out.
+        /// This workgroup's number among the `slices` that share the chunk's points.
         pub slice: u32,
         pub slices: u32,
     }
 }
 
-/// Triangles of a chunk at most: the workgroup's size.
+/// Triangles of a chunk, at most: the workgroup's size.
 const CHUNK: u32 = 64;
-/// Points that a workgroup should make at most, roughly.
+/// Points that a workgroup makes, at most, roughly.
 const POINTS_A_GROUP: f64 = 2048.0;
 
-/// See the module's page. The device owns the buffers.
+/// Prepared triangles of a scene. The device owns the buffers.
 pub struct Triangles {
     positions: BufferId,
     vertex_count: u32,
@@ -35,10 +35,10 @@ pub struct Triangles {
     areas: Areas,
 }
 
-/// What is the same in all frames of a chunk.
+/// The part of a chunk that is the same in all frames.
 struct Chunk {
     data: ChunkData,
-    /// Of all its triangles, and of the largest, m^2.
+    /// Area of all its triangles, and of the largest, m^2.
     area: f32,
     largest: f32,
 }
@@ -47,7 +47,7 @@ struct Chunk {
 #[derive(Clone, Copy)]
 pub struct FrameTriangles<'f> {
     pub table: &'f Triangles,
-    /// Of the scene's vertices, each in its draw's own space, metres.
+    /// Positions of the scene's vertices, in their draw's object space, metres.
     pub positions: Buffer,
 }
 
@@ -84,12 +84,12 @@ impl Triangles {
         })
     }
 
-    /// The triangles as this frame's resources.
+    /// Imports the triangles into a frame's graph.
     pub fn import(&self, g: &mut Graph) -> FrameTriangles<'_> {
         FrameTriangles { table: self, positions: g.import_buffer::<[f32; 3]>("scene/positions", self.positions, self.vertex_count) }
     }
 
-    /// All triangles as patches to tessellate, whatever any view sees, without their materials.
+    /// All triangles as patches to tessellate, without materials and without culling.
     pub fn patch_list(&self, g: &mut Graph, scene: FrameScene<'_>, name: &str, max_area: f32) -> Vec<DrawList> {
         let patches = self.patches(max_area);
         if patches.is_empty() {
@@ -110,7 +110,7 @@ impl Triangles {
         }]
     }
 
-    /// A workgroup an element: chunks of which `max_area` makes many points go to several.
+    /// Chunks for `max_area`, one element a workgroup; a chunk that gives many points is shared by several workgroups.
     pub fn chunks(&self, max_area: f32) -> Vec<ChunkData> {
         let slices = |chunk: &Chunk| {
             let points = f64::from(chunk.data.triangles) + 1.5 * f64::from(chunk.area) / f64::from(max_area);
@@ -121,11 +121,11 @@ impl Triangles {
         self.chunks.iter().flat_map(slices).collect()
     }
 
-    /// Draws of all triangles as patches: an instance for each part that the chunk's largest triangle is split into.
+    /// Draw arguments of all triangles as patches, with an instance for each part that the chunk's largest triangle is split into.
     pub fn patches(&self, max_area: f32) -> Vec<DrawArguments> {
         let mut draws: Vec<DrawArguments> = Vec::new();
         for Chunk { data, largest, .. } in &self.chunks {
-            // What the device's rounding may make of it is a part more at most.
+            // The device's rounding may make it one part more.
             let split = subdivision(f64::from(*largest) * 1.001, f64::from(max_area)).0 as u32;
             let arguments = DrawArguments {
                 index_count: 3 * data.triangles,
@@ -149,25 +149,25 @@ impl Triangles {
         draws
     }
 
-    /// The largest small triangle's area, m^2, that gives about so many points; see `glsl/visibility/point.glsl`. Every triangle gives
-    /// at least one unless small ones are thinned.
+    /// Largest area of a small triangle, m^2, that gives about `points` points; see `glsl/visibility/point.glsl`. A triangle gives at least
+    /// one point unless small triangles are thinned.
     pub fn max_area(&self, points: u32, thin: bool) -> f32 {
         self.areas.max_area(f64::from(points), thin)
     }
 
-    /// How many points that area gives: on the average where small triangles are thinned, else at most.
+    /// Points that `max_area` gives: the expected number if small triangles are thinned, else an upper bound.
     pub fn points(&self, max_area: f32, thin: bool) -> f64 {
         self.areas.points(max_area, thin)
     }
 }
 
-/// How many triangles there are of each size: bins of the area's logarithm.
+/// Histogram of triangle areas, binned by logarithm.
 #[derive(Debug, Clone)]
 struct Areas {
     bins: Vec<Bin>,
 }
 
-/// Triangles of about the same size.
+/// Triangles of about the same area.
 #[derive(Debug, Clone, Default)]
 struct Bin {
     count: f64,
@@ -184,7 +184,7 @@ impl Default for Areas {
 impl Areas {
     const BINS: usize = 4096;
     const PER_OCTAVE: f32 = 48.0;
-    /// Of an area, relative.
+    /// Relative rounding error of an area on the device.
     const ROUNDING: f64 = 1e-5;
 
     fn total(&self) -> f64 {
@@ -206,8 +206,8 @@ impl Areas {
         if thin {
             return self.total() / max_area;
         }
-        // By the largest of each bin, and what the device may round it to: else a mesh of equal triangles, whose area may lie right
-        // where the next level begins, would give more points than there is room for.
+        // Bounded by the largest area of each bin, plus the device's rounding. A mesh of equal triangles may lie just where the next
+        // tessellation level begins, and would otherwise give more points than there is room for.
         let some = self.bins.iter().filter(|bin| bin.count > 0.0);
         some.map(|bin| bin.count * points_of_triangle(bin.largest * (1.0 + Self::ROUNDING), max_area)).sum()
     }
@@ -217,7 +217,7 @@ impl Areas {
         if thin {
             return (total / points) as f32;
         }
-        // The more area a point stands for, the fewer there are.
+        // The number of points falls as the area of one rises.
         let (mut low, mut high) = (total.max(1e-30).ln() - 40.0, total.max(1e-30).ln() + 1.0);
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
@@ -227,18 +227,18 @@ impl Areas {
     }
 }
 
-/// Points of a triangle, as `subdivision` of `glsl/visibility/point.glsl` gives them.
+/// Points of a triangle, by `subdivision` of `glsl/visibility/point.glsl`.
 fn points_of_triangle(area: f64, max_area: f64) -> f64 {
     let (split, n) = subdivision(area, max_area);
     split * split * (1.5 * n * n).floor()
 }
 
-/// Into how many parts a side of a triangle is cut, and the level that those are tessellated with: `glsl/visibility/point.glsl`.
+/// Parts that a side of a triangle is cut into, and the tessellation level of each part: `glsl/visibility/point.glsl`.
 fn subdivision(area: f64, max_area: f64) -> (f64, f64) {
     let level = |area: f64| if area <= max_area { 1.0 } else { (area * (2.0 / 3.0) / max_area).sqrt().ceil().max(2.0) };
     let split = (level(area) / MOST_LEVEL).ceil();
     (split, level(area / (split * split)).min(MOST_LEVEL))
 }
 
-/// The tessellation level that no driver loses patches with, of `glsl/visibility/point.glsl`.
+/// Highest tessellation level at which no driver loses patches: `MOST_LEVEL` of `glsl/visibility/point.glsl`.
 const MOST_LEVEL: f64 = 15.0;
