@@ -237,7 +237,7 @@ fn k_means(g: &mut Graph, vpls: &Vpls, clusters: &VplClusters, config: &BounceCo
         .dispatch_groups([1, 1, 1]);
 }
 
-/// Maps of all clusters (section III-C); `bounce.layers` says how layers are reached.
+/// Maps of all clusters (section III-C); `bounce.clusters.layers` says how layers are reached.
 fn draw(g: &mut Graph, scene: FrameScene<'_>, clusters: &VplClusters, config: &BounceConfig) {
     let count = clusters.count;
     let depth = g.layered_image("bounce/depth", Format::Depth32, [clusters.size; 2], count);

@@ -59,7 +59,7 @@ shader_struct! {
 pub struct Indirect {
     /// Irradiance, W/m^2; with glossy receivers less the part that a dielectric's coat reflects.
     pub irradiance: Image,
-    /// Radiance that glossy receivers reflect to the eye; there if `gather.receiver` is "ggx".
+    /// Radiance that glossy receivers reflect to the eye; there if `gather.stochastic.receiver` is "ggx".
     pub reflection: Option<Image>,
     /// Interleaving pattern of both images, for the filter to remove.
     pub pattern: Interleave,
