@@ -12,7 +12,10 @@ pub fn broken<T>(key: impl Into<String>, message: impl Into<String>) -> Result<T
     Err((key.into(), message.into()))
 }
 
-const RULES: [fn(&Config) -> Result<(), Broken>; 7] = [
+/// What a section checks of a whole config.
+type Rule = fn(&Config) -> Result<(), Broken>;
+
+const RULES: [Rule; 7] = [
     VisibilityConfig::rules,
     RsmConfig::rules,
     SceneConfig::rules,
