@@ -34,7 +34,7 @@ struct Centre {
 layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) buffer Centres { Centre at[]; } centres;
-layout(scalar) buffer Frames { uint count; } frames; // number of frames that had centres
+layout(scalar) buffer Frames { uint at[]; } frames; // number of frames that had centres, in the first element
 layout(scalar) coherent buffer Labels { uint at[]; } labels;
 layout(scalar) writeonly buffer Clusters { VplCluster at[]; } clusters;
 layout(scalar) buffer Rounds { uint count; } rounds;
@@ -66,12 +66,12 @@ void main() {
     uint mine = me % k, part = me / k, length = (params.count + parts() - 1u) / parts();
     uint begin = min(part * length, params.count), end = part < parts() ? min(begin + length, params.count) : begin;
 
-    bool fresh = RESEED || frames.count == 0u;
+    bool fresh = RESEED || frames.at[0] == 0u;
     if (fresh) {
         // Initial centres by k-means++: lit VPLs, the first chosen by weight alone, each further one with a probability in proportion to
         // weight times squared distance from the centres before it. The draw is the least of exponential variates at that rate. Labels hold
         // these distances until they hold labels.
-        uint frame = RESEED ? frames.count : 0u;
+        uint frame = RESEED ? frames.at[0] : 0u;
         for (uint j = 0u; j < k; j++) {
             float least = 0.0;
             uint chosen = NO_CLUSTER;
@@ -113,7 +113,7 @@ void main() {
     }
     barrier();
 
-    uint most = frames.count == 0u ? params.first_rounds : params.rounds;
+    uint most = frames.at[0] == 0u ? params.first_rounds : params.rounds;
     if (RESEED) most = params.rounds;
     uint round = 0u;
     for (; round < most; round++) {
@@ -275,6 +275,6 @@ void main() {
         for (uint p = 0u; p < parts(); p++) {
             for (uint j = 0u; j < k; j++) any_lit = any_lit || numbers[p * k + j] != NO_CLUSTER;
         }
-        if (any_lit) frames.count = max(frames.count + 1u, 1u);
+        if (any_lit) frames.at[0] = max(frames.at[0] + 1u, 1u);
     }
 }

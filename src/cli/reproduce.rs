@@ -41,7 +41,7 @@ pub struct ReproduceArgs {
     /// Set a key of the config in every cell, as in --set scene.triangles=20000; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     sets: Vec<String>,
-    /// Folder of scenes that tables use but that do not come with the program, such as sponza.glb; a built-in scene replaces a
+    /// Folder of scenes that tables use but that do not come with the program, such as sponza_crytek.glb; a built-in scene replaces a
     /// missing one
     #[arg(long, value_name = "DIR")]
     pub scenes: Option<PathBuf>,

@@ -14,7 +14,7 @@ pub struct FrameConfig {
     /// Frames that are measured. The last one is the picture.
     #[schemars(range(min = 1, max = 1_000_000))]
     pub count: u32,
-    /// Frames before them that are not measured. They show the time of the first frame.
+    /// Frames before them that are not measured. They show frame 0.
     #[schemars(range(max = 1_000_000))]
     pub warmup: u32,
     /// Frames per second of animation. Frame i shows the second i / `fps`.

@@ -47,7 +47,7 @@ pub enum LightConfig {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "Option<Point>", extend("x-default" = "this or `direction`"))]
         target: Option<[f32; 3]>,
-        /// Radiant intensity, of a spot light that on its axis, W/sr.
+        /// Radiant intensity, for a spot light on its axis, W/sr.
         #[schemars(with = "Color")]
         intensity: [f32; 3],
         /// Half-angle of full intensity, degrees.
@@ -68,7 +68,7 @@ pub enum LightConfig {
         /// Place, metres.
         #[schemars(with = "Point")]
         position: [f32; 3],
-        /// Radiant intensity, of a spot light that on its axis, W/sr.
+        /// Radiant intensity, for a spot light on its axis, W/sr.
         #[schemars(with = "Color")]
         intensity: [f32; 3],
         /// The light over time. A value runs linearly between the keyframes that give it.

@@ -214,8 +214,8 @@ pub fn insert(table: &mut Table, key: String, node: Node, path: &str) {
 /// Keys of a base that a key laid over it makes void.
 fn displaced(path: &str, key: &str) -> &'static [&'static str] {
     match (path, key) {
-        ("scene", "file") => &["scene", "builtin", "triangles", "seed"],
-        ("scene", "builtin") => &["file", "scene", "triangles", "seed"],
+        ("scene", "file") => &["scene", "animation", "builtin", "triangles", "roughness", "seed"],
+        ("scene", "builtin") => &["file", "scene", "animation", "triangles", "roughness", "seed"],
         ("camera", "node") => &["position", "target", "up", "keyframes"],
         ("camera", "position" | "target") => &["node", "keyframes"],
         ("camera", "keyframes") => &["node", "position", "target"],

@@ -207,7 +207,8 @@ fn clusters(g: &mut Graph, scene: FrameScene<'_>, vpls: &Vpls, seed: u32, config
 /// to another cluster.
 fn k_means(g: &mut Graph, vpls: &Vpls, clusters: &VplClusters, config: &BounceConfig, seed: u32) {
     let centres = g.history::<Centre>("bounce/centres", clusters.count);
-    let frames = g.history::<u32>("bounce/frames", 1);
+    // As long as the centres, so that both are zeros where the number of clusters changes; the first number counts.
+    let frames = g.history::<u32>("bounce/frames", clusters.count);
     let (rounds, unsettled) = (g.count("bounce/rounds"), g.count("bounce/unsettled"));
     let most = most_rounds(vpls.count, clusters.count);
     let pass = g.compute("bounce/k-means");

@@ -103,18 +103,17 @@ pub fn check(facts: &Facts) -> Result<()> {
 
 /// Samples VPLs with the config's sampler. Counts `vpls/lit`, VPLs with flux.
 pub fn sample(g: &mut Graph, rsm: &Rsm, _gbuffer: &GBuffer, config: &VplsConfig) -> Vpls {
-    let distribution = match config.importance {
-        Importance::None => None,
-        Importance::PassedFlux => Some(passed_flux(g, rsm)),
-    };
-    let (pass, count) = match (config.sampler, distribution) {
-        (VplSampler::Regular, _) => ("vpls/regular", config.count),
-        (VplSampler::Hammersley, None) => ("vpls/hammersley", config.count),
-        (VplSampler::Hammersley, Some(_)) => ("vpls/important", config.count),
-        (VplSampler::Uniform, _) => ("vpls/uniform", config.count),
-        (VplSampler::EveryTexel, _) => ("vpls/every-texel", rsm.size[0] * rsm.size[1] * rsm.layers),
-    };
-    from_texels(g, pass, rsm, distribution, count, config.reflection != Reflection::Glossy)
+    let diffuse = config.reflection != Reflection::Glossy;
+    match (config.sampler, config.importance) {
+        (VplSampler::Regular, _) => from_texels(g, "vpls/regular", rsm, None, config.count, diffuse),
+        (VplSampler::Hammersley, Importance::None) => from_texels(g, "vpls/hammersley", rsm, None, config.count, diffuse),
+        (VplSampler::Hammersley, Importance::PassedFlux) => {
+            let distribution = passed_flux(g, rsm);
+            from_texels(g, "vpls/important", rsm, Some(distribution), config.count, diffuse)
+        }
+        (VplSampler::Uniform, _) => from_texels(g, "vpls/uniform", rsm, None, config.count, diffuse),
+        (VplSampler::EveryTexel, _) => from_texels(g, "vpls/every-texel", rsm, None, rsm.size[0] * rsm.size[1] * rsm.layers, diffuse),
+    }
 }
 
 /// Importance of the maps' cells: the flux that they send on into the scene.

@@ -49,6 +49,20 @@ fn an_edited_camera_or_exposure_keeps_history_and_a_cut_drops_it() {
 }
 
 #[test]
+fn another_number_of_clusters_starts_them_anew_in_a_kept_lane() {
+    let (mut renderer, mut config) = clustered();
+    renderer.prepare(&config, &[]).unwrap();
+    let mut lane = Lane::new();
+    shoot(&mut renderer, &mut lane, &config, 0);
+    config.bounce.clusters.count = 5;
+    let kept = shoot(&mut renderer, &mut lane, &config, 1);
+    let fresh = shoot(&mut renderer, &mut Lane::new(), &config, 1);
+    assert_eq!(rounds(&kept), rounds(&fresh), "the clusters are found as by a frame that has none before it");
+    assert_eq!(kept.picture.unwrap().image, fresh.picture.unwrap().image);
+    finish(renderer.gpu());
+}
+
+#[test]
 fn two_presets_in_turn_reallocate_nothing_and_forget_nothing() {
     let (mut renderer, clusters) = clustered();
     let mut tiled = clusters.clone();

@@ -355,6 +355,17 @@ fn a_key_displaces_what_it_excludes_in_a_base() {
     let path = folder.load("path.toml", &[]).unwrap().camera.unwrap();
     assert_eq!((path.keyframes.len(), path.position), (1, None));
     assert_eq!(folder.load("still.toml", &[]).unwrap().camera.unwrap().keyframes, []);
+    let caustics = Folder::new(
+        "caustics",
+        &[
+            ("caustics.toml", "[scene]\nbuiltin = \"caustics\"\nroughness = 0.1\n"),
+            ("box.glb", ""),
+            ("file.toml", "base = \"caustics.toml\"\n[scene]\nfile = \"box.glb\"\nanimation = 0\n"),
+            ("cornell.toml", "base = \"file.toml\"\n[scene]\nbuiltin = \"cornell\"\n"),
+        ],
+    );
+    assert_eq!(caustics.load("file.toml", &[]).unwrap().scene.builtin, None);
+    assert_eq!(caustics.load("cornell.toml", &[]).unwrap().scene.builtin, Some(Builtin::Cornell));
     let both = folder.load("file.toml", &["scene.file=box.glb", "scene.builtin=cornell"]).unwrap_err();
     assert!(both.contains("--set scene.file=box.glb: scene.file: excludes scene.builtin"), "{both}");
 }
