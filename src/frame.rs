@@ -6,7 +6,7 @@ use crate::stages::compose::Composed;
 use crate::stages::gather::Roulette;
 use crate::stages::gbuffer::GBuffer;
 use crate::stages::residents::Residents;
-use crate::stages::visibility::Surroundings;
+use crate::stages::surroundings::Surroundings;
 use crate::stages::wants::Wants;
 use crate::stages::{bounce, compose, direct, filter, gather, gbuffer, rsm, ssao, visibility, vpls};
 use crate::world::{Shot, World};

@@ -2,7 +2,7 @@
 
 use super::methods::{Choice, NOTHING, Needs};
 use super::rsm::Rsm;
-use super::visibility::Surroundings;
+use super::surroundings::Surroundings;
 use crate::config::{Dielectric, DirectConfig, Shadows};
 use crate::gpu::{Feature, Format, Sampler};
 use crate::graph::{Graph, Image};

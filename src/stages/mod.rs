@@ -14,6 +14,7 @@ pub mod methods;
 pub mod residents;
 pub mod rsm;
 pub mod ssao;
+pub mod surroundings;
 pub mod visibility;
 pub mod vpls;
 pub mod wants;
@@ -57,7 +58,7 @@ pub fn methods_of(config: &Config) -> Vec<Method> {
         methods.push(Method::of(config.bounce.clusters.layers));
     }
     methods.push(Method::of(config.visibility.method));
-    if visibility::needs_triangles(config) {
+    if visibility::triangles::needs_triangles(config) {
         let visibility = &config.visibility;
         methods.extend([Method::of(visibility.ism.points), Method::of(visibility.ism.collect), Method::of(visibility.ism.renderer)]);
     }

@@ -1,8 +1,7 @@
 //! Resources that stages make once and keep over frames.
 
-use super::gather::shells::{FrameShells, Shells};
-use super::visibility::triangles::{FrameTriangles, Triangles};
-use super::{gather, visibility};
+use super::gather::shells::{self, FrameShells, Shells};
+use super::visibility::triangles::{self, FrameTriangles, Triangles};
 use crate::config::Config;
 use crate::gpu::Gpu;
 use crate::graph::Graph;
@@ -22,10 +21,10 @@ impl Residents {
     /// # Errors
     /// The device's own, when memory runs out.
     pub fn bring(&mut self, gpu: &mut Gpu, at_rest: &Scene, config: &Config) -> Result<()> {
-        if self.shells.is_none() && gather::needs_shells(config) {
+        if self.shells.is_none() && shells::needs_shells(config) {
             self.shells = Some(Shells::upload(gpu)?);
         }
-        if self.triangles.is_none() && visibility::needs_triangles(config) {
+        if self.triangles.is_none() && triangles::needs_triangles(config) {
             self.triangles = Some(Triangles::upload(gpu, at_rest)?);
         }
         Ok(())
@@ -33,7 +32,7 @@ impl Residents {
 
     /// Whether [`Self::bring`] has nothing left to make for a config.
     pub fn are_there(&self, config: &Config) -> bool {
-        (self.shells.is_some() || !gather::needs_shells(config)) && (self.triangles.is_some() || !visibility::needs_triangles(config))
+        (self.shells.is_some() || !shells::needs_shells(config)) && (self.triangles.is_some() || !triangles::needs_triangles(config))
     }
 
     /// Imports the residents into a frame's graph.
@@ -55,11 +54,11 @@ pub struct FrameResidents<'f> {
 impl<'f> FrameResidents<'f> {
     /// Hulls of stochastic ranges.
     pub fn shells(&self) -> FrameShells<'f> {
-        self.shells.unwrap_or_else(|| unreachable!("gather::needs_shells says who draws shells"))
+        self.shells.unwrap_or_else(|| unreachable!("shells::needs_shells says who draws shells"))
     }
 
     /// Triangles that the points of imperfect shadow maps are made from.
     pub fn triangles(&self) -> FrameTriangles<'f> {
-        self.triangles.unwrap_or_else(|| unreachable!("visibility::needs_triangles says who makes points"))
+        self.triangles.unwrap_or_else(|| unreachable!("triangles::needs_triangles says who makes points"))
     }
 }

@@ -9,7 +9,7 @@ use crate::gpu::Format;
 use crate::graph::Graph;
 use crate::shader_struct;
 use crate::stages::interleave::Interleave;
-use crate::stages::visibility::Surroundings;
+use crate::stages::surroundings::Surroundings;
 use crate::stages::vpls::Vpls;
 
 shader_struct! {

@@ -74,11 +74,6 @@ pub fn methods(config: &Config) -> Vec<Method> {
     methods
 }
 
-/// Whether a config's gather rasterizes hulls of ranges.
-pub fn needs_shells(config: &Config) -> bool {
-    matches!(config.gather.stochastic_culling(), Some(StochasticCulling::Splatting | StochasticCulling::ConservativeClusters))
-}
-
 /// Refuses configs that the methods cannot run on every driver, or on this device.
 pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     let gather = &config.gather;

@@ -7,13 +7,14 @@ mod splatting;
 mod statistics;
 mod stochastic;
 
-pub use limits::{MOST_TURNS, check, choices, methods, needs_shells, warnings_of_frame};
+pub use limits::{MOST_TURNS, check, choices, methods, warnings_of_frame};
 pub use statistics::means;
 pub use stochastic::Roulette;
 
 use super::gbuffer::GBuffer;
 use super::interleave::Interleave;
-use super::visibility::{Ism, Surroundings, Visibility};
+use super::surroundings::Surroundings;
+use super::visibility::{Ism, Visibility};
 use super::vpls::Vpls;
 use crate::config::{Culling, Emitters, GatherConfig, GatherMethod, Lookup, StochasticCulling};
 use crate::gpu::Format;

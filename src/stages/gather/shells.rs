@@ -1,5 +1,6 @@
 //! Hulls of the unit sphere: an icosahedron around it, and one with its faces cut in four.
 
+use crate::config::{Config, StochasticCulling};
 use crate::gpu::{BufferId, Feature, Gpu};
 use crate::graph::{Buffer, DrawList, Graph};
 use crate::scene::{Vertex, pack};
@@ -10,6 +11,11 @@ use std::collections::BTreeMap;
 
 /// Features for conservative rasterization by the device.
 pub const CONSERVATIVE: &[Feature] = &[Feature::ConservativeRasterization, Feature::ClipDistance];
+
+/// Whether a config's gather rasterizes hulls of ranges.
+pub fn needs_shells(config: &Config) -> bool {
+    matches!(config.gather.stochastic_culling(), Some(StochasticCulling::Splatting | StochasticCulling::ConservativeClusters))
+}
 
 /// Hulls, by their number of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

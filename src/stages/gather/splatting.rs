@@ -8,7 +8,7 @@ use crate::config::GatherConfig;
 use crate::gpu::Format;
 use crate::graph::Graph;
 use crate::shader_struct;
-use crate::stages::visibility::Surroundings;
+use crate::stages::surroundings::Surroundings;
 use crate::stages::vpls::Vpls;
 
 shader_struct! {

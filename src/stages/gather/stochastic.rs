@@ -8,7 +8,7 @@ use crate::gpu::Format;
 use crate::graph::{Buffer, DrawList, Graph, Image};
 use crate::shader_struct;
 use crate::stages::gbuffer::GBuffer;
-use crate::stages::visibility::Surroundings;
+use crate::stages::surroundings::Surroundings;
 use crate::stages::vpls::{Lobe, Vpls};
 
 shader_struct! {

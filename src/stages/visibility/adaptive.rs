@@ -1,10 +1,10 @@
 //! Points drawn for each VPL in proportion to the solid angle that they subtend: the adaptivity that Linke 2016 asks for (section 5.4.6).
 //! All points of the scene form a pool of clusters of neighbours. All maps together get as many points as the uniform set would draw.
 
-use super::Surroundings;
 use super::points::{Point, Points, PointsParams, goes_through, upload_chunks};
 use crate::graph::Graph;
 use crate::shader_struct;
+use crate::stages::surroundings::Surroundings;
 use crate::stages::vpls::Vpls;
 
 shader_struct! {

@@ -2,11 +2,12 @@
 //! points of the scene's triangles. Each map gets other points.
 
 use super::points::{self, Points, PointsParams};
-use super::{Surroundings, Visibility, VisibilityConfig, adaptive, pull_push};
+use super::{Visibility, VisibilityConfig, adaptive, pull_push};
 use crate::config::{IsmRenderer, Lookup, PointSet};
 use crate::gpu::Format;
 use crate::graph::{ComputePass, Graph, Image};
 use crate::shader_struct;
+use crate::stages::surroundings::Surroundings;
 use crate::stages::vpls::Vpls;
 
 shader_struct! {

@@ -14,18 +14,13 @@ pub use shared::MOST_TEXELS_A_MAP;
 
 use super::bounce::{Bounce, VplClusters};
 use super::facts::Facts;
-use super::gbuffer::GBuffer;
 use super::methods::{Choice, NOTHING, Needs};
-use super::residents::FrameResidents;
-use super::rsm::Rsm;
+use super::surroundings::Surroundings;
 use super::vpls::Vpls;
-use super::wants::Wants;
 use crate::config::{Collect, Config, IsmRenderer, Lookup, PointSet, VisibilityConfig, VisibilityMethod};
 use crate::fail;
 use crate::gpu::Feature;
 use crate::graph::{Buffer, Graph, Image, counted};
-use crate::world::device::FrameScene;
-use crate::world::traced::TracedHandles;
 use anyhow::Result;
 
 /// Visibility data that the gather tests VPLs with.
@@ -41,18 +36,6 @@ pub enum Visibility {
     SharedIsm { ism: Ism, labels: Buffer, proxies: Buffer },
     /// A map for each cluster of VPLs; the bias is in widths of a texel.
     Clusters { clusters: VplClusters, bias: f32, lookup: Lookup },
-}
-
-/// Inputs of visibility methods.
-#[derive(Clone, Copy)]
-pub struct Surroundings<'f> {
-    pub scene: FrameScene<'f>,
-    pub residents: FrameResidents<'f>,
-    /// Acceleration structure for rays; `None` if no method traces rays.
-    pub traced: Option<&'f TracedHandles>,
-    pub gbuffer: &'f GBuffer,
-    pub rsm: &'f Rsm,
-    pub wants: &'f Wants,
 }
 
 impl Choice for VisibilityMethod {
@@ -95,11 +78,6 @@ impl Choice for IsmRenderer {
             Self::Splat => &[&[Feature::TessellationShader, Feature::GeometryShader, Feature::LargePoints]],
         }
     }
-}
-
-/// Whether a config renders imperfect shadow maps, and so needs points of the scene's triangles.
-pub fn needs_triangles(config: &Config) -> bool {
-    config.visibility_methods().any(|method| method == VisibilityMethod::ImperfectShadowMaps)
 }
 
 /// Whether a config traces shadow rays to VPLs.

@@ -1,11 +1,12 @@
 //! Points from the scene's triangles, in one partition a VPL (Linke 2016, section 4.4.1). `glsl/visibility/point.glsl` has the rule.
 
+use super::VisibilityConfig;
 use super::ism::partition_capacity;
 use super::triangles::ChunkData;
-use super::{Surroundings, VisibilityConfig};
 use crate::config::Collect;
 use crate::graph::{Buffer, ComputePass, Graph};
 use crate::shader_struct;
+use crate::stages::surroundings::Surroundings;
 
 shader_struct! {
     /// `glsl/visibility/point.glsl`.

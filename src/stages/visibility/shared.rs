@@ -1,10 +1,11 @@
 //! Imperfect shadow maps that neighbouring VPLs share. 65,536 maps, one a VPL, would take a gigabyte, and VPLs of adjoining texels see
 //! nearly the same. The cost is bias: a VPL is shadowed from its neighbour's place.
 
-use super::{Surroundings, Visibility, VisibilityConfig, ism};
+use super::{Visibility, VisibilityConfig, ism};
 use crate::graph::Graph;
 use crate::shader_struct;
 use crate::stages::facts::planned_turns;
+use crate::stages::surroundings::Surroundings;
 use crate::stages::vpls::{VplPlace, Vpls};
 
 shader_struct! {

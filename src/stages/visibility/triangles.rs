@@ -1,6 +1,7 @@
 //! Triangles of a scene, prepared for the points of imperfect shadow maps: positions without other attributes, chunks of one workgroup
 //! each, and a histogram of areas. They are made once, from the scene at rest.
 
+use crate::config::{Config, VisibilityMethod};
 use crate::gpu::{BufferId, Gpu};
 use crate::graph::{Buffer, DrawList, Graph};
 use crate::scene::Scene;
@@ -8,6 +9,11 @@ use crate::shader_struct;
 use crate::world::device::{DrawArguments, FrameScene, VERTEX};
 use anyhow::Result;
 use rayon::prelude::*;
+
+/// Whether a config renders imperfect shadow maps, and so needs points of the scene's triangles.
+pub fn needs_triangles(config: &Config) -> bool {
+    config.visibility_methods().any(|method| method == VisibilityMethod::ImperfectShadowMaps)
+}
 
 shader_struct! {
     /// Triangles of one draw for one workgroup: `glsl/visibility/points-computed.comp`.
