@@ -16,6 +16,7 @@ mod light;
 mod load;
 mod materials;
 mod output;
+mod overrides;
 mod renamed;
 mod rsm;
 mod rules;

@@ -53,8 +53,12 @@ fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
         "rsm/draw",
         "--dump",
         "compose/sum",
+        "--set",
+        "ssao.radius=0.6",
     ]));
     succeeded(&output);
+    let unused = "--set ssao.radius=0.6: ssao.radius: is not used, since ssao.method is \"none\"";
+    assert!(text(&output.stderr).contains(unused), "{}", text(&output.stderr));
     let stdout = text(&output.stdout);
     for part in ["gather", "gbuffer", "image.png", "median", "cpu"] {
         assert!(stdout.contains(part), "{part:?} is not in {stdout}");
@@ -96,6 +100,7 @@ fn a_run_leaves_a_picture_its_layers_its_times_and_its_record() {
     assert_eq!(json["device"]["kind"], "cpu");
     assert_eq!(json["checks"]["validation"], serde_json::json!([]));
     assert_eq!(json["checks"]["check-nan"], serde_json::json!({}));
+    assert_eq!(json["warnings"], serde_json::json!([unused]));
     assert_eq!(json["counts"]["vpls/count"], 64);
     assert_eq!((json["width"].as_u64(), json["frames"].as_u64(), json["warmup"].as_u64()), (Some(64), Some(2), Some(1)));
 
