@@ -13,7 +13,7 @@ use anyhow::Result;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Which frames run, and what comes back of them.
+/// Frames to run, and what comes back of them.
 pub struct Frames<'a> {
     /// Frames that run first and are not measured: the driver compiles what it has not used yet.
     pub warmup: u32,
@@ -26,7 +26,7 @@ pub struct Frames<'a> {
     pub check_nan: bool,
 }
 
-/// Whose pictures are brought back; that takes no part in the times.
+/// Frames whose pictures come back from the device. Reading back is outside the passes' times.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Pictures {
     None,
@@ -34,17 +34,19 @@ pub enum Pictures {
     All,
 }
 
-/// What measured frames gave.
+/// Times of the measured frames, and the last of them.
 pub struct Measured {
     pub times: Vec<PassTime>,
-    /// The last frame.
     pub last: Rendered,
     frames: u32,
     warmup: u32,
 }
 
 impl Frames<'_> {
-    /// Runs them; `on_frame` gets each with its number. The progress is told where there is one.
+    /// Warms up, then measures. `on_frame` gets each measured frame with its number.
+    ///
+    /// # Errors
+    /// The device's own, with the pass, and those of `on_frame`.
     pub fn run(
         &self,
         renderer: &mut Renderer,
@@ -76,7 +78,7 @@ impl Frames<'_> {
             let rendered = renderer.render(config, frame, pictured, &execution)?;
             times.extend(rendered.times.iter().map(|(pass, ms)| PassTime { frame: number, pass: (*pass).to_owned(), ms: *ms }));
             on_frame(number, &rendered)?;
-            last = Some(rendered);
+            last = is_last.then_some(rendered);
         }
         let Some(last) = last else { unreachable!("at least one frame is measured") };
         Ok(Measured { times, last, frames, warmup: self.warmup })
@@ -110,7 +112,7 @@ impl Measured {
         })
     }
 
-    /// What the run knows in numbers, and what passes counted.
+    /// Numbers that the run knows by itself, and what passes counted in the last frame.
     fn counts(&self, renderer: &Renderer, config: &Config, first_pass_ms: Option<u64>) -> BTreeMap<String, u64> {
         let known = [
             ("scene/triangles", Some(renderer.world().device().triangles)),
@@ -122,7 +124,7 @@ impl Measured {
         known.chain(self.last.counts.iter().cloned()).collect()
     }
 
-    /// Writes `timings.csv` under a name.
+    /// Writes the times as CSV.
     pub fn write_times(&self, path: &Path, from: &Provenance) -> Result<()> {
         write_file(path, &timings_csv(&self.times, from)?)
     }
@@ -135,7 +137,7 @@ pub fn write_picture(exr: &Path, png: &Path, picture: &Picture, config: &Config,
     write_exr(exr, width, height, picture.layers(&config.output.layers), &from.of_image())
 }
 
-/// Fails where the validation layer said something.
+/// Refuses to end well where the validation layer has said something.
 pub fn check_validation(renderer: &Renderer) -> Result<()> {
     let messages = renderer.gpu().validation_messages();
     match messages.first() {

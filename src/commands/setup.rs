@@ -25,10 +25,10 @@ pub struct Setup {
     started: Instant,
 }
 
-/// The device to run on.
+/// Device to run on.
 #[derive(Clone, Copy)]
 pub struct On<'a> {
-    /// The best one if `None`.
+    /// The program's choice where `None`.
     pub device: Option<&'a DeviceChoice>,
     /// Turns the validation layer on.
     pub validate: bool,
@@ -67,8 +67,11 @@ impl Setup {
         Ok(Self { config, path: path.to_owned(), started })
     }
 
-    /// Opens the device, brings the scene to it, checks the config, warns of what it does not do well, and makes the pipelines. Passes to
-    /// `dump` must be there.
+    /// Opens the device, brings the scene to it, checks the config, warns the user, and makes the pipelines. `dump` names passes that the
+    /// frame must have.
+    ///
+    /// # Errors
+    /// `NoDevice`, `BadInput` of the scene, of a limit or of `dump`, and the device's own.
     pub fn ready(&self, on: On, dump: &[String], progress: &Progress) -> Result<Ready> {
         let config = &self.config;
         progress.say("loading the scene");

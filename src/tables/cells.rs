@@ -28,8 +28,9 @@ pub struct Cell {
     pub n: Option<u64>,
     /// The paper's figure.
     pub published: Option<f64>,
-    /// Of times, over the cell that the table names; the paper's likewise.
+    /// A time over the time of the cell that the table names.
     pub relative: Option<f64>,
+    /// The same of the paper's times.
     pub published_relative: Option<f64>,
     /// The run's and the truth's folder.
     pub run: Option<String>,
