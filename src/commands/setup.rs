@@ -26,7 +26,7 @@ pub struct Setup {
     started: Instant,
 }
 
-/// The device to run on.
+/// Device to run on.
 #[derive(Clone, Copy)]
 pub struct On<'a> {
     /// The best device if `None`.
@@ -70,6 +70,9 @@ impl Setup {
 
     /// Opens the device, uploads the scene, checks the config, prints warnings, and makes the pipelines. Passes in `dump` must
     /// exist.
+    ///
+    /// # Errors
+    /// `NoDevice`, `BadInput` of the scene, of a limit or of `dump`, and the device's own.
     pub fn ready(&self, on: On, dump: &[String], progress: &Progress) -> Result<Ready> {
         let config = &self.config;
         progress.say("loading the scene");

@@ -30,6 +30,7 @@ pub struct Cell {
     pub published: Option<f64>,
     /// Ratios of times to the cell that the table names, of ours and of the paper's.
     pub relative: Option<f64>,
+    /// The same of the paper's times.
     pub published_relative: Option<f64>,
     /// Keys of the run and its reference, the names of their folders.
     pub run: Option<String>,
