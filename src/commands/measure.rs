@@ -76,7 +76,7 @@ impl Frames<'_> {
             let rendered = renderer.render(config, frame, pictured, &execution)?;
             times.extend(rendered.times.iter().map(|(pass, ms)| PassTime { frame: number, pass: (*pass).to_owned(), ms: *ms }));
             on_frame(number, &rendered)?;
-            last = Some(rendered);
+            last = is_last.then_some(rendered);
         }
         let Some(last) = last else { unreachable!("at least one frame is measured") };
         Ok(Measured { times, last, frames, warmup: self.warmup })
