@@ -78,6 +78,8 @@ fn trace_under(root: u32, bvh: &Bvh, rays: &[Ray]) -> Vec<Found> {
         .reads("rays", from)
         .reads("root", root)
         .writes("hits", to)
+        .constant("MASKS", true)
+        .constant("SINGLE_SIDES", true)
         .dispatch([rays.len() as u32, 1, 1]);
     let read = g.read_back(to);
     let outcome = engine.execute(&g, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));

@@ -62,7 +62,9 @@ fn vpls_of_every_sampler_keep_the_contract() {
 #[test]
 fn the_flux_of_every_sampler_is_that_of_all_texels() {
     let (mut renderer, mut config) = room_with_dark_parts();
-    config.vpls.count = 1000;
+    // Maps so fine that a sample more or less in a bright part is no matter.
+    config.rsm.size = [128, 128];
+    config.vpls.count = 4096;
     let mut flux = |name: &str| {
         config.vpls.sampler = serde_json::from_value(name.into()).unwrap();
         renderer.check(&config).unwrap();
