@@ -1,4 +1,4 @@
-//! Checks a merged config key by key against the schema: unknown keys, wrong types, values out of range. What passes deserializes.
+//! Checks of a merged config, key by key against the schema: unknown keys, wrong types, values out of range. A tree that passes deserializes.
 
 use super::keys::{Choice, KeyInfo, Kind, Range, choices, keys, listed};
 use super::renamed;
@@ -42,7 +42,7 @@ fn below(pattern: &str) -> impl Iterator<Item = (&'static str, &'static KeyInfo)
     keys().iter().filter_map(move |info| Some((inside(info)?, info))).filter(|(name, _)| !name.contains('.'))
 }
 
-/// The near miss of an unknown key: beside it, else the same name in another section.
+/// Suggestion for an unknown key: a similar name in the same table, else the same name in another section.
 fn hint(key: &str, pattern: &str) -> String {
     let parent = pattern.strip_suffix(key).unwrap_or("").trim_end_matches('.');
     let mut siblings: Vec<&str> = below(parent).map(|(name, _)| name).collect();
@@ -64,7 +64,7 @@ fn hint(key: &str, pattern: &str) -> String {
 
 /// The name closest to `name`, if it is close enough to be meant.
 pub fn nearest<'n>(name: &str, names: &[&'n str]) -> Option<&'n str> {
-    // Edit distance is quadratic, and nothing that long is a slip of the finger.
+    // Edit distance is quadratic in the length, and no key is that long.
     if name.len() > 64 {
         return None;
     }
@@ -171,7 +171,7 @@ fn choice(node: &Node, text: &str, choices: &[Choice], path: &str) -> Result<()>
     Err(error(&node.origin, path, format_args!("unknown value {}, {expected} {}{near}", quoted(text), listed(&names))))
 }
 
-/// A number as the 32-bit one that it becomes, so that what rounds to zero counts as zero.
+/// A number rounded to 32 bits, as it will be stored, so that a number that rounds to zero counts as zero.
 fn number(node: &Node, range: Range, path: &str) -> Result<f32> {
     let (value, shown) = match node.value {
         Value::Whole(whole) => (whole as f32, whole.to_string()),
@@ -197,7 +197,7 @@ fn three(items: &[Node], range: Range, path: &str) -> Option<Result<[f32; 3]>> {
     Some(Ok(values))
 }
 
-/// One table of a list: what it must have is there, and a light has only what its kind has.
+/// Checks one table of a list: required keys are there, and a light has only keys of its kind.
 fn element(item: &Node, list: &KeyInfo, path: &str) -> Result<()> {
     let Value::Table(table) = &item.value else {
         return Err(error(&item.origin, path, format_args!("expects a table, found {}", item.found())));
@@ -211,7 +211,7 @@ fn element(item: &Node, list: &KeyInfo, path: &str) -> Result<()> {
     needs(item, table, &pattern, path, light)
 }
 
-/// Refuses a table that lacks what it must have.
+/// Refuses a table that lacks a required key.
 fn needs(node: &Node, table: &Table, pattern: &str, path: &str, light: Option<&str>) -> Result<()> {
     for (name, info) in below(pattern).filter(|(name, info)| info.required && !table.contains_key(*name)) {
         match light {

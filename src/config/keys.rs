@@ -1,23 +1,23 @@
-//! Every key of a config: what it takes, its default, and what it means, read from the schema that the types give.
+//! Keys of a config with values, default and meaning, read from the schema of the types.
 
 use super::schema::schema;
 use serde_json::{Map, Value};
 use std::sync::LazyLock;
 
-/// A key or a section of the config: all that a check, a table or a widget needs to know of it.
+/// A key or a section of the config, with all that a check, a table or a widget needs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyInfo {
     /// As `--set` spells it, with `N` for the index of a table in a list: `light.N.position`.
     pub key: String,
     pub kind: Kind,
-    /// As TOML; in words where the key may be absent and then depends on others; `None` where it must be given.
+    /// Default as TOML, or in words if it depends on other keys; `None` if the key is required.
     pub default: Option<String>,
     /// Whether the table that holds the key must have it.
     pub required: bool,
-    /// The kinds of light that have the key; empty for keys of other sections. A key that kinds of light declare differently is there
+    /// Kinds of light that have the key; empty for keys of other sections. A key that kinds of light declare differently is listed
     /// several times.
     pub lights: Vec<String>,
-    /// What it means, in sentences. Of a section, what it is.
+    /// Meaning of the key or of the section, in sentences.
     pub what: String,
 }
 
@@ -25,11 +25,11 @@ pub struct KeyInfo {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
     pub name: String,
-    /// What it means, in sentences.
+    /// Meaning of the name, in sentences.
     pub what: String,
 }
 
-/// What a key takes.
+/// Values of a key.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Kind {
     /// A table of keys, which follow: a section.
@@ -62,7 +62,7 @@ pub enum Kind {
     Color(Range),
 }
 
-/// Numbers from `min` to `max`; `min` itself is out where `above` is set.
+/// Numbers from `min` to `max`; `min` itself is excluded if `above`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
     pub min: f32,
@@ -73,7 +73,7 @@ pub struct Range {
 impl Range {
     pub const FINITE: Self = Self { min: -f32::MAX, max: f32::MAX, above: false };
 
-    /// Whether a number is in it.
+    /// Whether a number is in the range.
     pub fn contains(self, value: f32) -> bool {
         value <= self.max && if self.above { value > self.min } else { value >= self.min }
     }
@@ -105,7 +105,7 @@ fn number(value: f32) -> String {
 }
 
 impl Kind {
-    /// What it takes, in words: `expects {}`.
+    /// Type of the values in words, as in `expects {}`.
     pub fn expects(&self) -> &'static str {
         match self {
             Kind::Table => "a table",
@@ -123,7 +123,7 @@ impl Kind {
         }
     }
 
-    /// Which values it takes, in words.
+    /// Range of the values in words.
     pub fn range(&self) -> String {
         match self {
             Kind::Table => "table".to_owned(),
@@ -140,10 +140,10 @@ impl Kind {
         }
     }
 
-    /// What a schema takes.
+    /// Values that a schema describes.
     ///
     /// # Panics
-    /// If it says something that no key takes yet.
+    /// If the schema describes values that no `Kind` covers.
     fn of(schema: &Value) -> Self {
         let whole = |key: &str| schema[key].as_i64();
         match (schema["type"].as_str(), schema["format"].as_str()) {
@@ -173,7 +173,7 @@ impl Kind {
 }
 
 impl Choice {
-    /// The names of an enum; `None` of anything else.
+    /// Names of an enum; `None` for any other schema.
     fn all(schema: &Value) -> Option<Vec<Self>> {
         schema["oneOf"]
             .as_array()?
@@ -198,7 +198,7 @@ pub fn keys() -> &'static [KeyInfo] {
     &KEYS
 }
 
-/// The names that a key takes; none if it takes something else.
+/// Names that a key takes; empty if it takes other values.
 pub fn choices(key: &str) -> impl Iterator<Item = &'static str> {
     let choices = keys().iter().find(|info| info.key == key).and_then(|info| match &info.kind {
         Kind::Choice(choices) | Kind::Choices(choices) => Some(choices),
@@ -215,7 +215,7 @@ fn what(schema: &Value) -> String {
 fn walk(table: &Value, path: &str, light: Option<&str>, keys: &mut Vec<KeyInfo>) {
     let none = Map::new();
     let properties = table["properties"].as_object().unwrap_or(&none);
-    // The key that says which of several tables this is stands with these.
+    // The constant key that tells tables of several kinds apart is added by `several`.
     for (name, schema) in properties.iter().filter(|(_, schema)| schema["const"].is_null()) {
         let key = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
         let required = table["required"].as_array().is_some_and(|names| names.iter().any(|known| known == name));

@@ -1,4 +1,4 @@
-//! From files and `--set` options to a checked config, and back to TOML.
+//! Loading of a config: files and `--set` options to a checked config, and back to TOML.
 
 use super::tree::{Lines, Node, Origin, Source, Table, Value, overlay};
 use super::{Config, check, overrides, rules, scene, unused};
@@ -11,16 +11,16 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use toml::de::DeTable;
 
-/// No config is that long: a picture given by mistake is.
+/// Larger files are no configs, but pictures given by mistake.
 const LARGEST_FILE: u64 = 1 << 20;
 /// A chain of bases that is longer is a mistake.
 const MOST_FILES: usize = 16;
 
-/// A config, and what its author should know of it.
+/// A config, with warnings for its author.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loaded {
     pub config: Config,
-    /// A sentence for each key that is said and not used, with file and line.
+    /// One sentence for each given key that is not used, with file and line.
     pub warnings: Vec<String>,
 }
 
@@ -41,7 +41,7 @@ fn scene_is_there(config: &Config, root: &Node) -> Result<()> {
     Ok(())
 }
 
-/// As [`load`], for a text that would be at `origin`; looks at no file but the text's bases.
+/// Loads a text as if it were the file `origin`; reads no file but the bases.
 pub fn parse(text: &str, origin: &Path, overrides: &[String]) -> Result<Loaded> {
     Ok(resolve(text, origin, overrides)?.0)
 }
@@ -56,7 +56,7 @@ pub fn to_toml(config: &Config) -> String {
     text.unwrap_or_else(|error| unreachable!("a config is tables of plain data: {error}"))
 }
 
-/// Numbers came from 32 bits and need no more digits.
+/// Numbers have 32 bits and need no more digits.
 fn shorten(value: &mut toml::Value) {
     match value {
         toml::Value::Float(number) => *number = (*number as f32).to_string().parse().unwrap_or(*number),
@@ -74,7 +74,7 @@ fn resolve(text: &str, path: &Path, overrides: &[String]) -> Result<(Loaded, Nod
     finish(root)
 }
 
-/// A merged tree, checked and typed.
+/// Checks and types a merged tree.
 fn finish(mut root: Node) -> Result<(Loaded, Node)> {
     let Value::Table(table) = &mut root.value else { unreachable!("a document is a table") };
     check::table(table, "", "")?;
@@ -92,7 +92,7 @@ fn finish(mut root: Node) -> Result<(Loaded, Node)> {
     Ok((Loaded { config, warnings }, root))
 }
 
-/// A config that others are made from, by what they change: the cells of a table.
+/// A config that others are derived from, as the cells of a table are.
 pub(crate) struct Base(Node);
 
 impl Base {
@@ -101,7 +101,7 @@ impl Base {
         Self::parse(&read(path)?, path)
     }
 
-    /// As [`Self::load`], for a text that would be at `path`.
+    /// Parses a text as if it were the file `path`.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
         Ok(Self(chain(text, path)?))
     }
@@ -183,14 +183,13 @@ fn tree(text: &str, source: Rc<Source>) -> Result<Node> {
     Ok(Node { origin: Origin { source, line: 0 }, value: Value::Table(lines.table(table.get_ref())) })
 }
 
-/// A path on one line, whatever is in it.
+/// A path on one line, with control characters escaped.
 fn shown(path: &Path) -> String {
     let text = path.display().to_string();
     if text.contains(char::is_control) { text.escape_debug().to_string() } else { text }
 }
 
-/// The text of a base. Where there is no file, a preset that is named alone is the one that comes with the program: a preset with a
-/// base is found by its name in any folder.
+/// Text of a base. A preset is found by its file name in any folder that has no such file.
 fn base_text(path: &Path) -> Result<String> {
     match path.to_str().and_then(|path| path.strip_suffix(".toml")).and_then(presets::find) {
         Some(text) if !path.exists() => Ok(text.to_owned()),
@@ -221,7 +220,7 @@ fn read(path: &Path) -> Result<String> {
     })
 }
 
-/// Makes `scene.file` absolute, from the folder of the file that says it.
+/// Makes `scene.file` absolute, relative to the folder of the file that gives it.
 fn scene_path(root: &mut Table) -> Result<()> {
     let Some(Node { value: Value::Table(scene), .. }) = root.get_mut("scene") else { return Ok(()) };
     let Some(Node { value: Value::Text(file), origin }) = scene.get_mut("file") else { return Ok(()) };

@@ -1,7 +1,7 @@
-//! What a run does: a TOML file, as typed data with a default for every key.
+//! The config of a run: a TOML file as typed data, with a default for every key.
 //!
-//! A file a slot of the frame. The types there say all of a key: default, range, meaning, choices; beside them stand the rules between keys
-//! and which keys a choice leaves unused. Loading checks files by it; whoever builds a [`Config`] in code keeps the ranges that the fields name.
+//! Each slot of the frame has a file. Its types declare default, range, meaning and choices of each key; beside them stand the rules between
+//! keys, and the keys that a choice leaves unused. Loading checks files by these. A [`Config`] built in code must keep the fields' ranges.
 
 mod bounce;
 mod camera;
@@ -53,7 +53,7 @@ pub use vpls::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Everything that a run is told. [`Config::default`] renders the built-in atrium.
+/// All settings of a run. [`Config::default`] renders the built-in atrium.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {

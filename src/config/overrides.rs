@@ -60,7 +60,7 @@ pub fn apply(root: &mut Node, text: &str) -> Result<()> {
     Ok(())
 }
 
-/// An option goes into what is no table; that may be a key's old name.
+/// Error for an option whose key goes through a value that is no table; it may be an old name of a key.
 fn no_table(said: &Origin, value: &Value, path: &str, part: &str, origin: &Origin) -> anyhow::Error {
     match renamed::now(path, value) {
         Some(now) => check::error(said, path, format_args!("is now {now}")),

@@ -1,4 +1,4 @@
-//! Keys that had other names: an old one is refused with the new one named.
+//! Old names of keys, which are refused with the new name.
 
 use super::tree::Value;
 
@@ -30,7 +30,7 @@ const MOVED: [(&str, &str, &[&str]); 5] = [
     ("bounce", "bounce.clusters", &["representative", "centers", "rounds", "position_weight", "normal_weight", "map_size", "layers"]),
 ];
 
-/// What an old key is called now; `None` for any other.
+/// New name of an old key; `None` for any other key.
 pub fn now(key: &str, value: &Value) -> Option<String> {
     match (key, value) {
         ("gather.culling", Value::Text(name)) if matches!(name.as_str(), "stochastic-tiled" | "splatting" | "conservative-clusters") => {

@@ -1,4 +1,4 @@
-//! Rules that no single key can say: keys that exclude or need each other, keyframes in order. Each slot has its own.
+//! Rules between keys: keys that exclude or need each other, keyframes in order. Each slot has its own.
 
 use super::check::error;
 use super::tree::{Node, Origin, Value};
@@ -12,7 +12,7 @@ pub fn broken<T>(key: impl Into<String>, message: impl Into<String>) -> Result<T
     Err((key.into(), message.into()))
 }
 
-/// What a section checks of a whole config.
+/// A check of a whole config that belongs to one section: keys that exclude or need each other.
 type Rule = fn(&Config) -> Result<(), Broken>;
 
 const RULES: [Rule; 7] = [
@@ -25,7 +25,7 @@ const RULES: [Rule; 7] = [
     LightConfig::rules,
 ];
 
-/// Refuses values that do not go together; the tree that they came from says where.
+/// Refuses values that do not go together. `root` is the tree that they came from, for file and line.
 pub fn check(config: &Config, root: &Node) -> Result<()> {
     RULES.iter().try_for_each(|rules| rules(config)).map_err(|(key, message)| error_at(root, &key, message))
 }
@@ -35,7 +35,7 @@ pub fn error_at(root: &Node, path: &str, message: impl std::fmt::Display) -> any
     error(locate(root, path), path, message)
 }
 
-/// Where a key is said, or else the nearest table around it.
+/// Origin of a key, or of the nearest table around it if it is not given.
 fn locate<'r>(root: &'r Node, path: &str) -> &'r Origin {
     let mut node = root;
     for part in path.split('.') {

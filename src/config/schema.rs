@@ -1,4 +1,4 @@
-//! The config as JSON Schema (draft 2020-12), from the types: what checks, tables and editors know of it.
+//! JSON Schema (draft 2020-12) of the config, generated from the types. Checks, tables of keys and editors read it.
 
 use super::Config;
 use schemars::generate::SchemaSettings;
@@ -7,7 +7,7 @@ use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value, json};
 use std::sync::LazyLock;
 
-/// What a file may say: a config, and the config that it starts from.
+/// A config file: a config, and its base.
 #[derive(JsonSchema)]
 #[schemars(deny_unknown_fields)]
 struct File {
@@ -22,7 +22,7 @@ struct File {
     config: Config,
 }
 
-/// The schema of a config file. Beside the standard's words it has `format`s for values of several numbers (`point`, `direction`,
+/// The schema of a config file. Beside the standard keywords it has `format`s for values of several numbers (`point`, `direction`,
 /// `color`, `size`) and `x-default`, in words, for keys that may be absent.
 pub fn schema() -> &'static Value {
     static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
@@ -35,7 +35,7 @@ pub fn schema() -> &'static Value {
     &SCHEMA
 }
 
-/// Makes of a schema of Rust's types one of TOML's values.
+/// Turns a schema of Rust types into one of TOML values.
 fn tidy(schema: &mut Schema) {
     let Some(schema) = schema.as_object_mut() else { return };
     drop_null(schema);
@@ -52,7 +52,7 @@ fn tidy(schema: &mut Schema) {
     }
 }
 
-/// TOML has no null: an absent key is one that is not said.
+/// Removes null, which TOML lacks: an optional key is absent instead.
 fn drop_null(schema: &mut Map<String, Value>) {
     if let Some(Value::Array(types)) = schema.get_mut("type") {
         types.retain(|name| name != "null");
@@ -72,7 +72,7 @@ fn drop_null(schema: &mut Map<String, Value>) {
     }
 }
 
-/// Numbers came from 32 bits and need no more digits.
+/// Shortens numbers, which have 32 bits, to the digits that they need.
 fn shorten(value: &mut Value) {
     match value {
         Value::Array(items) => items.iter_mut().for_each(shorten),
@@ -84,7 +84,7 @@ fn shorten(value: &mut Value) {
     }
 }
 
-/// Takes the keys of other kinds out of the keyframes of a kind of light: `x-lights` says which have a key.
+/// Removes keys of other kinds from the keyframes of a kind of light; `x-lights` lists the kinds that have a key.
 fn only_of_kind(light: &mut Value) {
     let kind = light["properties"]["kind"]["const"].clone();
     if let Some(Value::Object(keys)) = light.pointer_mut("/properties/keyframes/items/properties") {

@@ -1,5 +1,5 @@
-//! A config before it is typed: values that each know the file and line they come from, so that an error found late, after
-//! bases and overrides are merged, still points at the right place.
+//! Untyped values of a config, each with the file and line that it comes from: an error that is found after bases and overrides are
+//! merged still names the right place.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -12,17 +12,17 @@ use toml::de::{DeTable, DeValue};
 pub struct Source {
     /// As the user knows it: a path, or `--set key=value`.
     pub name: String,
-    /// What relative paths start from.
+    /// Folder that relative paths start from.
     pub folder: PathBuf,
     /// Rises from the last base to the file that is loaded; the `--set` options share one above all files.
     pub layer: usize,
 }
 
-/// Where a value comes from.
+/// Origin of a value.
 #[derive(Debug, Clone)]
 pub struct Origin {
     pub source: Rc<Source>,
-    /// Counted from 1; 0 where there is none.
+    /// Line number, from 1; 0 if there is none.
     pub line: usize,
 }
 
@@ -114,7 +114,7 @@ pub fn override_value(source: &Rc<Source>, text: &str) -> Node {
 }
 
 impl Node {
-    /// What an error message calls the value, on one line and not too long.
+    /// Description of the value for error messages, short and on one line.
     pub fn found(&self) -> String {
         match &self.value {
             Value::Text(text) => format!("a string {}", quoted(text)),
@@ -193,7 +193,7 @@ pub fn overlay(base: &mut Node, over: Node, path: &str) {
     }
 }
 
-/// Puts a value into a table, over one that is there, and drops what lower layers say that it excludes.
+/// Puts a value into a table, over an older one, and removes keys of lower layers that it excludes.
 pub fn insert(table: &mut Table, key: String, node: Node, path: &str) {
     let same = table.get(&key).is_some_and(|old| matches!((&old.value, &node.value), (Value::Text(old), Value::Text(new)) if old == new));
     if !same {
@@ -211,7 +211,7 @@ pub fn insert(table: &mut Table, key: String, node: Node, path: &str) {
     }
 }
 
-/// Keys of a base that a key laid over it makes void.
+/// Keys of a base that a key laid over it excludes.
 fn displaced(path: &str, key: &str) -> &'static [&'static str] {
     match (path, key) {
         ("scene", "file") => &["scene", "animation", "builtin", "triangles", "roughness", "seed"],

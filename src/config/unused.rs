@@ -1,4 +1,4 @@
-//! Keys that a config says and its frames do not use: they may be a mistake, and are warned of.
+//! Warnings of keys that a config gives and its frames do not use.
 
 use super::tree::{Node, Value, join};
 use super::{BounceConfig, Config, DirectConfig, FilterConfig, GatherConfig, SsaoConfig, VisibilityConfig, VplsConfig};
@@ -21,7 +21,7 @@ impl Unused {
     }
 }
 
-/// What each slot does not use.
+/// Unused keys of each slot.
 const UNUSED: [fn(&Config) -> Vec<Unused>; 7] = [
     VplsConfig::unused,
     BounceConfig::unused,
@@ -36,8 +36,8 @@ fn all(config: &Config) -> Vec<Unused> {
     UNUSED.iter().flat_map(|unused| unused(config)).collect()
 }
 
-/// A warning for each key that is said and not used, with file and line. A key that is inherited is not warned of where the choice that
-/// makes it void was made above it: whoever changes a base's method need not take its keys away.
+/// Warnings of given keys that are not used, with file and line. A key of a base does not warn if a layer above it chose the method that
+/// makes it unused: a table's column that changes the method inherits the base's keys.
 pub fn warnings(config: &Config, root: &Node) -> Vec<String> {
     let values = toml::Value::try_from(config).unwrap_or_else(|error| unreachable!("a config is plain data: {error}"));
     let mut said: Vec<(&Node, String)> = Vec::new();
@@ -70,7 +70,7 @@ fn leaves<'n>(node: &'n Node, path: &str, each: &mut impl FnMut(&'n Node, &str))
     }
 }
 
-/// Takes keys that are not used and have their default out of a config that is to be read again.
+/// Removes unused keys that have their default, so that a config that is written and read again does not warn of them.
 pub fn forget(config: &Config, values: &mut toml::Table) {
     let defaults = toml::Table::try_from(Config::default()).unwrap_or_else(|error| unreachable!("a config is plain data: {error}"));
     let unused = all(config);

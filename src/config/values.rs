@@ -1,15 +1,15 @@
-//! What values of several numbers mean, and in which range they are: a field says `#[schemars(with = "Point")]` and stays an array.
+//! Meaning and range of values of several numbers: a field with `#[schemars(with = "Point")]` stays an array.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use std::borrow::Cow;
 
-/// Three coordinates, metres. Farther out they have lost all precision.
+/// Three coordinates, metres, -1e7 to 1e7: farther out 32 bits have lost all precision.
 pub struct Point;
 
 /// Three numbers that are not all zero; need not be normalized.
 pub struct Direction;
 
-/// Red, green and blue: far over the sun's radiance, far under what overflows.
+/// Red, green and blue, up to far over the sun's radiance and far under overflow.
 pub struct Color;
 
 /// Width and height, each from 1 to `MAX`.

@@ -42,6 +42,15 @@ pub struct DrawList {
     pub count: u32,
 }
 
+impl DrawList {
+    /// All commands of `arguments`, from both sides, without textures, blocks or constants. `geometry` is the vertices and the indices.
+    pub fn new(vertex: VertexLayout, geometry: [Buffer; 2], arguments: Buffer) -> Self {
+        let [vertices, indices] = geometry;
+        let (textures, blocks, constants) = (Vec::new(), Vec::new(), Vec::new());
+        Self { textures, blocks, constants, cull_back: false, vertex, vertices, indices, arguments, first: 0, count: arguments.count }
+    }
+}
+
 /// A uniform block in a range of a buffer that outlives the frame.
 #[derive(Debug, Clone, Copy)]
 pub struct ListBlock {

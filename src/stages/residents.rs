@@ -30,11 +30,6 @@ impl Residents {
         Ok(())
     }
 
-    /// Whether [`Self::bring`] has nothing left to make for a config.
-    pub fn are_there(&self, config: &Config) -> bool {
-        (self.shells.is_some() || !shells::needs_shells(config)) && (self.triangles.is_some() || !triangles::needs_triangles(config))
-    }
-
     /// Imports the residents into a frame's graph.
     pub fn import(&self, g: &mut Graph) -> FrameResidents<'_> {
         FrameResidents {

@@ -438,18 +438,7 @@ fn raster(g: &mut Graph, outputs: [&'static str; 2], vertex: VertexLayout, image
     let arguments = g.upload("arguments", &[0u32; 5]);
     let vertices = g.import_buffer::<Vertex>("vertices", nothing, 1);
     let indices = g.import_buffer::<u32>("indices", nothing, 1);
-    let list = manylight::graph::DrawList {
-        textures: Vec::new(),
-        blocks: Vec::new(),
-        constants: Vec::new(),
-        cull_back: false,
-        vertex,
-        vertices,
-        indices,
-        arguments,
-        first: 0,
-        count: 1,
-    };
+    let list = manylight::graph::DrawList::new(vertex, [vertices, indices], arguments);
     g.raster("test/raster").color(outputs[0], a, [0.0; 4]).color(outputs[1], b, [0.0; 4]).draw(vec![list]);
 }
 

@@ -38,18 +38,7 @@ fn a_draw_waits_for_the_pass_that_makes_its_vertices() {
         let indices = g.upload("indices", &[0u32, 1, 2]);
         let arguments = g.upload("arguments", &[ONE_TRIANGLE]);
         g.compute("test/make").writes("vertices", vertices).dispatch([3, 1, 1]);
-        let list = DrawList {
-            textures: Vec::new(),
-            blocks: Vec::new(),
-            constants: Vec::new(),
-            cull_back: false,
-            vertex: VERTEX,
-            vertices,
-            indices,
-            arguments,
-            first: 0,
-            count: 1,
-        };
+        let list = DrawList::new(VERTEX, [vertices, indices], arguments);
         g.raster("test/draw").color("covered", target, [0.0; 4]).draw(vec![list]);
         // The write to vertices that the draw has read must wait for it.
         g.compute("test/again").shader("test/make").writes("vertices", vertices).dispatch([3, 1, 1]);
@@ -68,18 +57,7 @@ fn vertices_that_no_pass_has_made_are_refused() {
     let target = g.image("target", Format::Rgba32Float, [16, 8]);
     let indices = g.upload("indices", &[0u32, 1, 2]);
     let arguments = g.upload("arguments", &[ONE_TRIANGLE]);
-    let list = DrawList {
-        textures: Vec::new(),
-        blocks: Vec::new(),
-        constants: Vec::new(),
-        cull_back: false,
-        vertex: VERTEX,
-        vertices,
-        indices,
-        arguments,
-        first: 0,
-        count: 1,
-    };
+    let list = DrawList::new(VERTEX, [vertices, indices], arguments);
     g.raster("test/draw").color("covered", target, [0.0; 4]).draw(vec![list]);
     let error = engine.execute(&g, &Execution::default()).unwrap_err().to_string();
     assert_eq!(error, "pass test/draw: its draw vertices are read before any pass writes them");

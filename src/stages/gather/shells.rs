@@ -108,18 +108,8 @@ impl FrameShells<'_> {
         let [first_index, index_count, first_vertex] = self.shells.ranges[shell as usize];
         let arguments =
             DrawArguments { index_count, instance_count: instances, first_index, vertex_offset: first_vertex as i32, first_instance: 0 };
-        DrawList {
-            textures: Vec::new(),
-            blocks: Vec::new(),
-            constants,
-            cull_back: far_sides,
-            vertex: VERTEX,
-            vertices: self.vertices,
-            indices: self.indices,
-            arguments: g.upload(name, &[arguments]),
-            first: 0,
-            count: 1,
-        }
+        let list = DrawList::new(VERTEX, [self.vertices, self.indices], g.upload(name, &[arguments]));
+        DrawList { constants, cull_back: far_sides, ..list }
     }
 }
 

@@ -102,18 +102,7 @@ impl Triangles {
             return Vec::new();
         }
         let arguments = g.upload(name, &patches);
-        vec![DrawList {
-            textures: Vec::new(),
-            blocks: Vec::new(),
-            constants: Vec::new(),
-            cull_back: false,
-            vertex: VERTEX,
-            vertices: scene.vertices,
-            indices: scene.indices,
-            arguments,
-            first: 0,
-            count: patches.len() as u32,
-        }]
+        vec![DrawList::new(VERTEX, [scene.vertices, scene.indices], arguments)]
     }
 
     /// Chunks for `max_area`, one element a workgroup; a chunk that gives many points is shared by several workgroups.
