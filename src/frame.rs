@@ -29,7 +29,7 @@ pub fn frame(g: &mut Graph, world: &World, residents: &Residents, shot: &Shot, c
     let residents = residents.import(g);
     let gbuffer = gbuffer::draw(g, scene, &shot.view);
     let rsm = rsm::draw(g, scene, &shot.lighting.projectors, &wants, &config.rsm);
-    let vpls = vpls::sample(g, &rsm, &gbuffer, &config.vpls);
+    let vpls = vpls::sample(g, &rsm, &gbuffer, &wants, &config.vpls);
     let bounces = bounce::propagate(g, scene, vpls, &wants, &config.bounce);
     let around = Surroundings { scene, residents, traced: traced.as_ref(), gbuffer: &gbuffer, rsm: &rsm, wants: &wants };
     let lights = visibility::render(g, around, &bounces, &config.visibility);

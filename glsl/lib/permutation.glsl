@@ -1,3 +1,5 @@
+#ifndef PERMUTATION_GLSL
+#define PERMUTATION_GLSL
 // Fixed permutation of [0, count): a four-round Feistel network on the next even power of two, iterated until the value is below count.
 uint permutation(uint index, uint count) {
     uint half_bits = 1u;
@@ -41,3 +43,4 @@ uint permutation_inverse(uint value, uint count) {
     } while (index >= count);
     return index;
 }
+#endif

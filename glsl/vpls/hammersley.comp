@@ -10,6 +10,6 @@ void main() {
     if (index >= params.count) return;
     uint k, count, layer;
     share_of(index, layer, k, count);
-    ivec2 texel = min(ivec2(hammersley(k, count) * vec2(params.size)), ivec2(params.size) - 1);
+    ivec2 texel = min(ivec2(fract(hammersley(k, count) + params.shift.xy) * vec2(params.size)), ivec2(params.size) - 1);
     put(index, ivec3(texel, layer), float(params.size.x) * float(params.size.y) / float(count));
 }

@@ -26,7 +26,7 @@ float stays(ivec3 at) {
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= params.count) return;
-    vec2 u = hammersley(permutation(index, params.count), params.count);
+    vec2 u = fract(hammersley(permutation(index, params.count), params.count) + params.shift.xy);
 
     uint low = 0u, high = params.lights * CELLS - 1u;
     float total = rows.at[high], wanted = u.x * total;

@@ -1,23 +1,11 @@
 // Shared by the samplers of reflective shadow maps: the map of a sample, and the VPL of a texel.
 #include "lib/brdf.glsl"
-#include "lib/light.glsl"
 #include "lib/packing.glsl"
 #include "lib/permutation.glsl"
 #include "lib/vpl.glsl"
+#include "vpls/params.glsl"
+#include "vpls/rsm.glsl"
 
-layout(local_size_x = 64) in;
-
-layout(scalar, push_constant) uniform Params {
-    uvec2 size;   // texels of a map
-    uint lights;  // maps
-    uint count;   // VPLs
-} params;
-
-layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
-uniform sampler2DArray rsm_depth;
-uniform sampler2DArray rsm_normal;
-uniform sampler2DArray rsm_flux;
-uniform sampler2DArray rsm_albedo;
 layout(scalar) writeonly buffer Places { VplPlace at[]; } places;
 layout(scalar) writeonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) writeonly buffer Areas { float at[]; } areas;

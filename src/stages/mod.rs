@@ -20,7 +20,7 @@ pub mod vpls;
 pub mod wants;
 
 use crate::config::{
-    Collect, Config, Culling, FilterKind, GatherMethod, IsmRenderer, Layers, PointSet, Rasterization, Shadows, SsaoMethod,
+    Collect, Config, Culling, FilterKind, GatherMethod, Importance, IsmRenderer, Layers, PointSet, Rasterization, Shadows, SsaoMethod,
     StochasticCulling, VisibilityMethod, VplSampler,
 };
 use crate::scene::Light;
@@ -34,6 +34,7 @@ pub fn methods() -> Vec<Method> {
     [
         vec![gbuffer::method(), rsm::method()],
         Method::every::<VplSampler>(),
+        Method::every::<Importance>(),
         Method::every::<Layers>(),
         Method::every::<VisibilityMethod>(),
         Method::every::<PointSet>(),
@@ -53,7 +54,7 @@ pub fn methods() -> Vec<Method> {
 
 /// Methods that a config uses.
 pub fn methods_of(config: &Config) -> Vec<Method> {
-    let mut methods = vec![gbuffer::method(), rsm::method(), Method::of(config.vpls.sampler)];
+    let mut methods = vec![gbuffer::method(), rsm::method(), Method::of(config.vpls.sampler), Method::of(config.vpls.importance)];
     if bounce::has_clusters(config) {
         methods.push(Method::of(config.bounce.clusters.layers));
     }
@@ -87,7 +88,7 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     gbuffer::check(config, facts)?;
     rsm::check(config, facts)?;
     methods_of(config).iter().try_for_each(|method| method.check(facts.adapter))?;
-    vpls::check(facts)?;
+    vpls::check(config, facts)?;
     bounce::check(config, facts)?;
     visibility::check(config, facts)?;
     gather::check(config, facts)

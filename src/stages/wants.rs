@@ -1,14 +1,16 @@
 //! Requirements of later stages on earlier ones: a value, so that no stage reads another's keys.
 
 use super::interleave::Interleave;
-use crate::config::{Config, Dielectric, Reflection, VisibilityMethod};
+use crate::config::{Config, Dielectric, Importance, Receiver, Reflection, VisibilityMethod, VplSampler};
 
 /// Requirements of later stages; computed once a frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Wants {
     /// Glossy VPLs, for which the RSM stores GGX reflectance.
     pub glossy: bool,
-    /// Texels of the RSM a VPL: the footprint over which albedo is averaged.
+    /// GGX at what the camera sees.
+    pub glossy_receivers: bool,
+    /// Texels of the RSM a VPL: the footprint over which albedo is averaged. 1 for samplers whose VPLs stand for no neighbourhood.
     pub texels_per_vpl: f64,
     /// Clusters of VPLs with their maps, even if no further bounce starts from them.
     pub clusters: bool,
@@ -20,6 +22,8 @@ pub struct Wants {
     pub interleave: Interleave,
     /// Reflection model of dielectrics.
     pub dielectric: Dielectric,
+    /// Distance below which a VPL gets no brighter, metres.
+    pub min_distance: f32,
     /// Seed of all random numbers.
     pub seed: u32,
 }
@@ -30,12 +34,19 @@ impl Wants {
         let [width, height] = config.rsm.size;
         Self {
             glossy: config.vpls.reflection != Reflection::Diffuse,
-            texels_per_vpl: f64::from(width) * f64::from(height) * f64::from(layers) / f64::from(config.vpl_count(layers)),
+            glossy_receivers: config.gather.stochastic_culling().is_some() && config.gather.stochastic.receiver == Receiver::Ggx,
+            texels_per_vpl: match (config.vpls.sampler, config.vpls.importance) {
+                (VplSampler::Regular | VplSampler::Hammersley, Importance::None | Importance::PassedFlux) => {
+                    f64::from(width) * f64::from(height) * f64::from(layers) / f64::from(config.vpl_count(layers))
+                }
+                _ => 1.0,
+            },
             clusters: config.visibility.method == VisibilityMethod::Clusters,
             visibility: config.visibility_of_bounces(),
             shared_maps: config.shared_maps(),
             interleave: Interleave::square(config.gather.interleave),
             dielectric: config.materials.dielectric,
+            min_distance: config.gather.min_distance,
             seed: config.frame.seed,
         }
     }

@@ -1,0 +1,45 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
+// Floor of the view's importance, from 1,024 Halton texels of all maps: so much for each unit of power that about `share` of the VPLs are
+// drawn by power. Any floor over 0 is right. It says only how many VPLs go where no view sample needs them.
+#include "part/importance=vpls/importance-view"
+#include "lib/halton.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(scalar, push_constant) uniform Params {
+    uvec2 size;
+    uint lights;
+    float share;
+} params;
+
+layout(scalar) writeonly buffer Floor { float it; } least;
+
+shared vec2 sums[64];
+
+ivec3 texel(uint index) {
+    vec3 u = vec3(radical_inverse(index + 1u, 2u), radical_inverse(index + 1u, 3u), radical_inverse(index + 1u, 5u));
+    return ivec3(min(ivec2(u.xy * vec2(params.size)), ivec2(params.size) - 1), min(uint(u.z * float(params.lights)), params.lights - 1u));
+}
+
+void main() {
+    uint me = gl_LocalInvocationIndex;
+    vec2 sum = vec2(0.0);
+    for (uint first = 4u * me; first < 1024u; first += 256u) {
+        ivec3 a = texel(first), b = texel(first + 1u), c = texel(first + 2u), d = texel(first + 3u);
+        vec4 seen = importances(a, b, c, d, params.size);
+        vec4 power = vec4(power_of(candidate(a, params.size)), power_of(candidate(b, params.size)), power_of(candidate(c, params.size)),
+                          power_of(candidate(d, params.size)));
+        sum += vec2(dot(seen, vec4(1.0)), dot(power, vec4(1.0)));
+    }
+    sums[me] = sum;
+    barrier();
+    if (me > 0u) return;
+    for (uint i = 1u; i < 64u; i++) sum += sums[i];
+    // Where the samples see nothing important, all VPLs are drawn by power.
+    float mean = sum.y > 0.0 ? sum.x / sum.y : 0.0;
+    least.it = mean > 0.0 ? mean * params.share / (1.0 - params.share) : 1.0;
+}

@@ -1,0 +1,8 @@
+// Reflective shadow maps as the samplers read them.
+#include "lib/light.glsl"
+
+layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
+uniform sampler2DArray rsm_depth;
+uniform sampler2DArray rsm_normal;
+uniform sampler2DArray rsm_flux;
+uniform sampler2DArray rsm_albedo;

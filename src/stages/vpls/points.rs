@@ -1,0 +1,87 @@
+//! Points that samples are drawn at: how a seed moves them, and the bases of Halton points.
+
+use super::super::wants::Wants;
+use crate::config::{Numbers, VplsConfig};
+use crate::shader_struct;
+
+shader_struct! {
+    /// `glsl/vpls/params.glsl`.
+    pub(super) struct TexelParams {
+        pub size: [u32; 2],
+        pub lights: u32,
+        pub count: u32,
+        pub shift: [f32; 4],
+        pub bases: [u32; 4],
+        pub start: u32,
+        pub seed: u32,
+    }
+}
+
+impl TexelParams {
+    /// Parameters of a sampler of `count` chains with `steps` proposals each.
+    pub(super) fn new(size: [u32; 2], lights: u32, count: u32, steps: u32, wants: &Wants) -> Self {
+        let seed = wants.seed;
+        Self {
+            size,
+            lights,
+            count,
+            shift: shift(seed),
+            bases: bases(if steps > 1 { count } else { 1 }, wants.interleave.sets()),
+            // Points go on where another seed's end.
+            start: seed.wrapping_mul(count).wrapping_mul(steps),
+            seed,
+        }
+    }
+}
+
+/// Part of the shaders that makes a config's points.
+pub(super) fn part(config: &VplsConfig) -> &'static str {
+    match config.numbers {
+        Numbers::Halton => "vpls/points-halton",
+        Numbers::ShiftedHalton => "vpls/points-shifted-halton",
+        Numbers::Random => "vpls/points-random",
+    }
+}
+
+/// Rotation of a point set modulo 1 by a seed, in [0, 1); none by seed 0.
+pub(in crate::stages) fn shift(seed: u32) -> [f32; 4] {
+    // Multiples of the inverse of the root of x^5 = x + 1, the golden ratio of four dimensions (Roberts 2018): seeds share out the unit
+    // cube evenly, so a mean of few seeds is a good one.
+    [0.856_674_883_854_502_9_f64, 0.733_891_856_627_126, 0.628_706_721_089_782_5, 0.538_597_257_240_125_4]
+        .map(|step| (f64::from(seed) * step).fract() as f32)
+        .map(|x| x.min(1.0 - f32::EPSILON / 2.0))
+}
+
+/// Bases of Halton points: the smallest primes that divide neither the number of chains nor that of the sample sets. A chain takes every
+/// `chains`-th point, and a sample set every `sets`-th. In a base that divides such a stride, all of them would have the same digit.
+fn bases(chains: u32, sets: u32) -> [u32; 4] {
+    let prime = |n: &u32| (2..*n).all(|d| n % d != 0);
+    let mut bases = (2..).filter(prime).filter(|base| chains % base != 0 && sets % base != 0);
+    std::array::from_fn(|_| bases.next().expect("there are more primes"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bases_divide_neither_the_chains_nor_the_sample_sets() {
+        assert_eq!(bases(1024, 8), [3, 5, 7, 11]);
+        assert_eq!(bases(1000, 8), [3, 7, 11, 13]);
+        assert_eq!(bases(729, 1), [2, 5, 7, 11]);
+        assert_eq!(bases(1, 1), [2, 3, 5, 7]);
+        assert_eq!(bases(2 * 3 * 5 * 7, 16), [11, 13, 17, 19]);
+    }
+
+    #[test]
+    fn seeds_rotate_points_evenly_and_seed_0_leaves_them() {
+        assert_eq!(shift(0), [0.0; 4]);
+        let shifts: Vec<[f32; 4]> = (0..64).map(shift).collect();
+        for axis in 0..4 {
+            let mut along: Vec<f32> = shifts.iter().map(|shift| shift[axis]).collect();
+            along.sort_by(f32::total_cmp);
+            assert!(along.windows(2).all(|pair| pair[1] - pair[0] < 3.0 / 64.0), "axis {axis}: {along:?}");
+        }
+        assert!(shift(u32::MAX).iter().all(|x| (0.0..1.0).contains(x)));
+    }
+}
