@@ -17,6 +17,7 @@ layout(scalar, push_constant) uniform Params {
     uint count;    // VPLs
     int size;      // of a map
     float far;     // metres
+    vec2 shift;    // rotation of the point set modulo 1
 } params;
 
 layout(scalar) readonly buffer Clusters { VplCluster at[]; } clusters;
@@ -38,7 +39,7 @@ void main() {
     uint number = 0u;
     while (starts.at[number + 1u] <= sample_index) number++;
     uint count = starts.at[number + 1u] - starts.at[number];
-    vec2 u = hammersley(sample_index - starts.at[number], count);
+    vec2 u = fract(hammersley(sample_index - starts.at[number], count) + params.shift);
     vec2 p = 2.0 * u - 1.0;
     float area = 4.0 / float(count);
     if (DISK) {

@@ -8,7 +8,7 @@
 #include "gather/froxel.glsl"
 #include "gather/per-pixel.glsl"
 
-layout(constant_id = 1) const uint PARTS = 16; // parts of a light list, INTERLEAVE^2 or a multiple
+layout(constant_id = 1) const uint PARTS = 16; // parts of a light list, a multiple of the sample sets
 
 layout(scalar) readonly buffer Rows { uint at[]; } rows;
 layout(scalar) readonly buffer Lists { uint at[]; } lists;
@@ -28,8 +28,7 @@ void main() {
     Quad pixels = quad_at(pixel);
     uvec4 mine_rows = uvec4(row_of(pixels.a.at), row_of(pixels.b.at), row_of(pixels.c.at), row_of(pixels.d.at));
 
-    const uint SETS = INTERLEAVE * INTERLEAVE;
-    uint set = sample_set().y * INTERLEAVE + sample_set().x;
+    uint set = number_of(sample_set());
     uint stride = 1u + (params.count + PARTS - 1u) / PARTS;
     uint lanes = min(gl_SubgroupSize, 32u);
     uvec4 left = mine_rows;

@@ -20,13 +20,13 @@ float reflect_from(inout Pixel p, vec3 light, vec3 to_light) { return 1.0; }
 
 void main() {
     // Neighbouring workgroups process the sample sets of the same block of pixels.
-    uvec2 set = gl_WorkGroupID.xy % INTERLEAVE, place = gl_WorkGroupID.xy / INTERLEAVE * 8u + gl_LocalInvocationID.xy;
-    ivec2 pixel = ivec2(place * INTERLEAVE + set);
+    uvec2 set = gl_WorkGroupID.xy % block_size(), place = gl_WorkGroupID.xy / block_size() * 8u + gl_LocalInvocationID.xy;
+    ivec2 pixel = ivec2(place * block_size() + set);
     if (any(greaterThanEqual(uvec2(pixel), uvec2(view.it.width, view.it.height)))) return;
     Pixel p = pixel_at(pixel);
     if (p.at.distance > 0.0) {
-        uvec2 tiles = ((uvec2(view.it.width, view.it.height) + INTERLEAVE - 1u) / INTERLEAVE + SHELL_TILE - 1u) / SHELL_TILE;
-        uint tile = place.y / SHELL_TILE * tiles.x + place.x / SHELL_TILE, number = set.y * INTERLEAVE + set.x;
+        uvec2 tiles = ((uvec2(view.it.width, view.it.height) + block_size() - 1u) / block_size() + SHELL_TILE - 1u) / SHELL_TILE;
+        uint tile = place.y / SHELL_TILE * tiles.x + place.x / SHELL_TILE, number = number_of(set);
         uvec2 head = heads.at[(number * tiles.x * tiles.y + tile) * SHELL_SLICES + shell_slice(p.at.distance, view.it.diagonal)];
         for (uint node = head.x; node != END; node = nodes.at[node].y) {
             p.numbers.x++;
@@ -37,6 +37,6 @@ void main() {
             shade(p, glossy_vpl(nodes.at[node].x), 1.0);
         }
     }
-    imageStore(irradiance, pixel, vec4(min(p.sum * float(INTERLEAVE * INTERLEAVE), LARGEST_HALF), 1.0));
+    imageStore(irradiance, pixel, vec4(min(p.sum * float(SETS), LARGEST_HALF), 1.0));
     if (STATISTICS) imageStore(numbers, pixel, vec4(p.numbers));
 }

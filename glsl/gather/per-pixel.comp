@@ -10,8 +10,7 @@ void main() {
     ivec2 pixel = first_pixel();
     Quad pixels = quad_at(pixel);
 
-    const uint SETS = INTERLEAVE * INTERLEAVE;
-    uint first = sample_set().y * INTERLEAVE + sample_set().x;
+    uint first = number_of(sample_set());
     uint count = first < params.count ? (params.count - first + SETS - 1u) / SETS : 0u;
     // Each lane of a subgroup fetches and unpacks one VPL and broadcasts it. All lanes sum all VPLs in the same order, whatever the
     // subgroup's size.

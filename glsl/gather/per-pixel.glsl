@@ -1,14 +1,14 @@
-// Irradiance from virtual point lights. A pixel of an n x n pattern sums one n^2-th of the VPLs. A workgroup takes pixels n apart, so that
+// Irradiance from virtual point lights. A pixel of a block sums one sample set of the VPLs. A workgroup takes pixels a block apart, so that
 // all of them sum the same VPLs while they access the G-buffer in place (Linke 2016, 4.5).
 #include "part/shadow=gather/shadow-none"
 #include "gbuffer/receiver.glsl"
 #include "lib/color.glsl"
 #include "lib/disk.glsl"
+#include "lib/interleave.glsl"
 #include "lib/packing.glsl"
 #include "lib/vpl.glsl"
 
 layout(local_size_x = 8, local_size_y = 4) in;
-layout(constant_id = 0) const uint INTERLEAVE = 1;
 layout(constant_id = 3) const bool DISKS = false; // VPLs are disk emitters
 
 layout(scalar, push_constant) uniform Params {
@@ -30,7 +30,7 @@ struct Pixel {
 Pixel pixel_at(ivec2 place) { return Pixel(receiver(place), vec3(0.0)); }
 
 void store(Pixel p) {
-    if (in_picture(p.at.pixel)) imageStore(irradiance, p.at.pixel, vec4(min(p.sum * float(INTERLEAVE * INTERLEAVE), LARGEST_HALF), 1.0));
+    if (in_picture(p.at.pixel)) imageStore(irradiance, p.at.pixel, vec4(min(p.sum * float(SETS), LARGEST_HALF), 1.0));
 }
 
 #include "gather/quad.glsl"
@@ -81,9 +81,9 @@ void shade(inout Quad q, Vpl vpl, vec4 visible) {
 void shade_by(inout Quad q, Vpl mine, uint lane, uvec4 see) { shade(q, hand_round(mine, lane), vec4((see >> lane) & 1u)); }
 
 // Neighbouring workgroups process the sample sets of the same block of pixels.
-uvec2 sample_set() { return gl_WorkGroupID.xy % INTERLEAVE; }
+uvec2 sample_set() { return gl_WorkGroupID.xy % block_size(); }
 
 // Corner of the block of pixels that a workgroup shares with its neighbours of other sample sets.
-ivec2 block_corner(uvec2 group) { return ivec2(group / INTERLEAVE * gl_WorkGroupSize.xy * 2u * INTERLEAVE); }
+ivec2 block_corner(uvec2 group) { return ivec2(group / block_size() * gl_WorkGroupSize.xy * 2u * block_size()); }
 
-ivec2 first_pixel() { return block_corner(gl_WorkGroupID.xy) + ivec2(gl_LocalInvocationID.xy * 2u * INTERLEAVE + sample_set()); }
+ivec2 first_pixel() { return block_corner(gl_WorkGroupID.xy) + ivec2(gl_LocalInvocationID.xy * 2u * block_size() + sample_set()); }

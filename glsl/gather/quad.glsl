@@ -1,4 +1,4 @@
-// Quads: 2 x 2 pixels of a sample set, INTERLEAVE apart. An invocation fetches a VPL once for all four. An includer defines
+// Quads: 2 x 2 pixels of a sample set, a block apart. An invocation fetches a VPL once for all four. An includer defines
 //     struct Pixel; // its Receiver is `at`
 //     Pixel pixel_at(ivec2 place);
 //     void store(Pixel p);
@@ -10,8 +10,8 @@ struct Quad {
 };
 
 Quad quad_at(ivec2 place) {
-    const int STEP = int(INTERLEAVE);
-    return Quad(pixel_at(place), pixel_at(place + ivec2(STEP, 0)), pixel_at(place + ivec2(0, STEP)), pixel_at(place + ivec2(STEP, STEP)));
+    ivec2 next = ivec2(block_size());
+    return Quad(pixel_at(place), pixel_at(place + ivec2(next.x, 0)), pixel_at(place + ivec2(0, next.y)), pixel_at(place + next));
 }
 
 vec4 distances_of(Quad q) { return vec4(q.a.at.distance, q.b.at.distance, q.c.at.distance, q.d.at.distance); }

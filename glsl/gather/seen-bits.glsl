@@ -8,6 +8,6 @@ uint word(ivec2 pixel, uint index) {
 }
 
 uvec4 seen(ivec2 pixel, uint index) {
-    const int STEP = int(INTERLEAVE);
-    return uvec4(word(pixel, index), word(pixel + ivec2(STEP, 0), index), word(pixel + ivec2(0, STEP), index), word(pixel + ivec2(STEP), index));
+    ivec2 next = ivec2(block_size());
+    return uvec4(word(pixel, index), word(pixel + ivec2(next.x, 0), index), word(pixel + ivec2(0, next.y), index), word(pixel + next, index));
 }

@@ -49,7 +49,7 @@ void main() {
     uvec2 tiles = (sorted_size() + SHELL_TILE - 1u) / SHELL_TILE;
     uint tile = gl_WorkGroupID.y * tiles.x + gl_WorkGroupID.x, slice = gl_LocalInvocationID.x, set = gl_WorkGroupID.z;
     uint head = END, tail = END, glossy_head = END, glossy_tail = END;
-    for (uint index = set; index < params.count; index += INTERLEAVE * INTERLEAVE) {
+    for (uint index = set; index < params.count; index += SETS) {
         uint at = index * tiles.x * tiles.y + tile;
         if (DIFFUSE && reaches(diffuse_shells.at[at], slice)) append(index, head, tail);
         if (LOBES && reaches(glossy_shells.at[at], slice)) append(index, glossy_head, glossy_tail);

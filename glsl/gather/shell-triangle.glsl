@@ -23,8 +23,8 @@ ShellTriangle shell_triangle(vec3 a, vec3 b, vec3 c, vec3 centre, uvec2 set) {
     if (abs(offset) > 1e-6 * length(normal) * length(a)) {
         vec2 size = vec2(view.it.width, view.it.height), tangents = vec2(length(view.it.right), length(view.it.up));
         // Tangents from a position in tiles: t = scale * position + shift.
-        vec2 scale = 2.0 * float(SHELL_TILE * INTERLEAVE) / size;
-        vec2 shift = 2.0 * (vec2(set) + 0.5 - 0.5 * float(INTERLEAVE)) / size - 1.0;
+        vec2 scale = 2.0 * vec2(SHELL_TILE * block_size()) / size;
+        vec2 shift = 2.0 * (vec2(set) + 0.5 - 0.5 * vec2(block_size())) / size - 1.0;
         vec2 ways = vec2(normal.x * tangents.x, -normal.y * tangents.y);
         triangle.plane = vec3(ways * scale, dot(ways, shift) + normal.z) / offset;
         triangle.plane.z -= dot(triangle.plane.xy, vec2(set * sorted_tiles()));

@@ -41,5 +41,5 @@ void main() {
     gl_ClipDistance[1] = place.y;
     gl_ClipDistance[2] = rest.x;
     gl_ClipDistance[3] = rest.y;
-    gl_Position = vec4((place + vec2(set * tiles) * point.z) / vec2(tiles * INTERLEAVE) * 2.0 - point.z, view.it.near, point.z);
+    gl_Position = vec4((place + vec2(set * tiles) * point.z) / vec2(tiles * block_size()) * 2.0 - point.z, view.it.near, point.z);
 }

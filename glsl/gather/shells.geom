@@ -55,7 +55,7 @@ void main() {
     ShellTriangle triangle = shell_triangle(in_point[0], in_point[1], in_point[2], in_centre[0], set);
     low = max(low, 0.0) + origin - 0.501;
     high = min(high, vec2(tiles)) + origin + 0.501;
-    vec2 all = vec2(tiles * INTERLEAVE);
+    vec2 all = vec2(tiles * block_size());
     for (int i = 0; i < 4; i++) {
         vec2 place = vec2((i & 1) == 0 ? low.x : high.x, (i & 2) == 0 ? low.y : high.y);
         out_edges = edges;

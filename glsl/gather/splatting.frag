@@ -13,8 +13,8 @@ layout(location = 0) out vec4 sum;
 float reflect_from(inout Pixel p, vec3 light, vec3 to_light) { return 1.0; }
 
 void main() {
-    uvec2 size = (uvec2(view.it.width, view.it.height) + INTERLEAVE - 1u) / INTERLEAVE, place = uvec2(gl_FragCoord.xy);
-    Pixel p = pixel_at(ivec2(place % size * INTERLEAVE + place / size));
+    uvec2 size = (uvec2(view.it.width, view.it.height) + block_size() - 1u) / block_size(), place = uvec2(gl_FragCoord.xy);
+    Pixel p = pixel_at(ivec2(place % size * block_size() + place / size));
     sum = vec4(0.0);
     if (p.at.distance <= 0.0) return;
     if (GLOSSY) shade(p, glossy_vpl(in_vpl), 1.0);

@@ -26,6 +26,6 @@ void main() {
     }
     uvec2 set = set_of(index);
     vec2 size = vec2(sorted_size()), place = sorted_place(point, set);
-    gl_Position = vec4((place + vec2(set) * size * point.z) * 2.0 / (size * float(INTERLEAVE)) - point.z, view.it.near, point.z);
+    gl_Position = vec4((place + vec2(set) * size * point.z) * 2.0 / (size * vec2(block_size())) - point.z, view.it.near, point.z);
     gl_ClipDistance = float[4](place.x, size.x * point.z - place.x, place.y, size.y * point.z - place.y);
 }

@@ -107,8 +107,8 @@ bool meets_spheroid(Part part, Spheroid it) {
 
 void store(Pixel p) {
     if (!in_picture(p.at.pixel)) return;
-    imageStore(irradiance, p.at.pixel, vec4(min(p.sum * float(INTERLEAVE * INTERLEAVE), LARGEST_HALF), 1.0));
-    if (GLOSSY_RECEIVER) imageStore(reflection, p.at.pixel, vec4(min(p.reflected * float(INTERLEAVE * INTERLEAVE), LARGEST_HALF), 1.0));
+    imageStore(irradiance, p.at.pixel, vec4(min(p.sum * float(SETS), LARGEST_HALF), 1.0));
+    if (GLOSSY_RECEIVER) imageStore(reflection, p.at.pixel, vec4(min(p.reflected * float(SETS), LARGEST_HALF), 1.0));
     if (STATISTICS) imageStore(numbers, p.at.pixel, vec4(p.numbers));
 }
 
@@ -177,12 +177,11 @@ void put(uint list, uint place) {
 }
 
 void main() {
-    const uint N = INTERLEAVE, SETS = INTERLEAVE * INTERLEAVE;
     uint me = gl_LocalInvocationIndex;
     // Neighbouring workgroups process the sample sets of the same block of pixels.
-    uvec2 set = gl_WorkGroupID.xy % N;
-    ivec2 corner = ivec2(gl_WorkGroupID.xy / N * TILE * N + set);
-    ivec2 pixel = corner + ivec2(gl_LocalInvocationID.xy * 2u * N);
+    uvec2 set = gl_WorkGroupID.xy % block_size();
+    ivec2 corner = ivec2(gl_WorkGroupID.xy / block_size() * TILE * block_size() + set);
+    ivec2 pixel = corner + ivec2(gl_LocalInvocationID.xy * 2u * block_size());
     Quad pixels = quad_at(pixel);
 
     if (me == 0u) {
@@ -209,12 +208,12 @@ void main() {
     bvec2 halves = bvec2(subgroupBallot(any(is_near)) != uvec4(0u), subgroupBallot(any(is_far)) != uvec4(0u));
 
     vec2 scale = 2.0 / vec2(view.it.width, view.it.height), slope = vec2(length(view.it.right), -length(view.it.up));
-    vec2 begin = ((vec2(corner) + 0.5) * scale - 1.0) * slope, end = ((vec2(corner + int((TILE - 1u) * N)) + 0.5) * scale - 1.0) * slope;
+    vec2 begin = ((vec2(corner) + 0.5) * scale - 1.0) * slope, end = ((vec2(corner + ivec2((TILE - 1u) * block_size())) + 0.5) * scale - 1.0) * slope;
     vec2 low = min(begin, end), high = max(begin, end);
     Part near = Part(vec3(low, uintBitsToFloat(near_low)), vec3(high, uintBitsToFloat(near_high)));
     Part far = Part(vec3(low, uintBitsToFloat(far_low)), vec3(high, uintBitsToFloat(far_high)));
 
-    uint first = set.y * N + set.x;
+    uint first = number_of(set);
     uint count = first < params.count ? (params.count - first + SETS - 1u) / SETS : 0u;
     for (uint start = 0u; start < count; start += WORDS * 32u) {
         barrier();

@@ -5,10 +5,10 @@
 #include "gbuffer/receiver.glsl"
 #include "lib/lobe.glsl"
 #include "lib/color.glsl"
+#include "lib/interleave.glsl"
 #include "lib/packing.glsl"
 #include "lib/vpl.glsl"
 
-layout(constant_id = 0) const uint INTERLEAVE = 1;
 layout(constant_id = 9) const bool COATED = false; // a glossy coat takes its Fresnel share out of diffuse VPLs
 
 layout(scalar, push_constant) uniform Params {

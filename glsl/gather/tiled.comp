@@ -25,11 +25,10 @@ void main() {
     atomicMin(nearest, floatBitsToUint(min(min(least.x, least.y), min(least.z, least.w))));
     atomicMax(farthest, floatBitsToUint(max(max(distances.x, distances.y), max(distances.z, distances.w))));
     barrier();
-    Frustum tile = frustum(view.it, block_corner(gl_WorkGroupID.xy), block_corner(gl_WorkGroupID.xy + INTERLEAVE),
+    Frustum tile = frustum(view.it, block_corner(gl_WorkGroupID.xy), block_corner(gl_WorkGroupID.xy + block_size()),
                            uintBitsToFloat(nearest), uintBitsToFloat(farthest));
 
-    const uint SETS = INTERLEAVE * INTERLEAVE;
-    uint first = sample_set().y * INTERLEAVE + sample_set().x;
+    uint first = number_of(sample_set());
     uint count = first < params.count ? (params.count - first + SETS - 1u) / SETS : 0u;
     uint lanes = min(gl_SubgroupSize, 32u);
     for (uint start = 0u; start < count; start += lanes) {

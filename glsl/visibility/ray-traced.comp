@@ -5,10 +5,10 @@
 // glsl/gather/per-pixel.glsl.
 #include "bvh/hole.glsl"
 #include "gbuffer/receiver.glsl"
+#include "lib/interleave.glsl"
 #include "lib/vpl.glsl"
 
 layout(local_size_x = 8, local_size_y = 4) in;
-layout(constant_id = 0) const uint INTERLEAVE = 1;
 
 layout(scalar, push_constant) uniform Params {
     uint count; // VPLs
@@ -23,16 +23,16 @@ layout(r32ui) writeonly uniform uimage2DArray visible;
 vec3 lifted(vec3 position, vec3 n, float off) { return off_surface(position + n * (off + 2e-6 * view.it.diagonal), n); }
 
 void main() {
-    uvec2 set = gl_WorkGroupID.xy % INTERLEAVE;
-    uvec2 block = gl_WorkGroupID.xy / INTERLEAVE * gl_WorkGroupSize.xy * INTERLEAVE;
-    ivec2 pixel = ivec2(block + gl_LocalInvocationID.xy * INTERLEAVE + set);
+    uvec2 set = gl_WorkGroupID.xy % block_size();
+    uvec2 block = gl_WorkGroupID.xy / block_size() * gl_WorkGroupSize.xy * block_size();
+    ivec2 pixel = ivec2(block + gl_LocalInvocationID.xy * block_size() + set);
     if (!in_picture(pixel)) return;
     Receiver r = receiver(pixel);
     uint bits = 0u;
     if (r.distance > 0.0) {
         vec3 from = lifted(r.position, r.normal, r.distance * length(view.it.up) / (128.0 * float(view.it.height)));
         for (uint i = 0u; i < 32u; i++) {
-            uint index = (gl_WorkGroupID.z * 32u + i) * INTERLEAVE * INTERLEAVE + set.y * INTERLEAVE + set.x;
+            uint index = (gl_WorkGroupID.z * 32u + i) * SETS + number_of(set);
             if (index >= params.count) break;
             VplPlace vpl = places.at[index];
             vec3 facing = octahedral_snorm16_inverse(vpl.normal);

@@ -113,7 +113,19 @@ fn value(node: &Node, info: &KeyInfo, path: &str) -> Result<()> {
                 return Err(out(whole));
             }
         }
-        (Kind::OneOf(values), Value::Whole(whole)) => {
+        (Kind::Block(values), Value::List(sides)) => {
+            if sides.len() != 2 {
+                return Err(wrong());
+            }
+            for side in sides {
+                match side.value {
+                    Value::Whole(whole) if values.contains(&whole) => {}
+                    Value::Whole(whole) => return Err(error(&side.origin, path, out_of_range(&whole, info))),
+                    _ => return Err(wrong()),
+                }
+            }
+        }
+        (Kind::OneOf(values) | Kind::Block(values), Value::Whole(whole)) => {
             if !values.contains(whole) {
                 return Err(out(whole));
             }

@@ -20,7 +20,8 @@ pub struct FrameConfig {
     /// Frames per second of animation. Frame i shows the second i / `fps`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub fps: f32,
-    /// Seed of all random numbers: a reference's paths, the points of imperfect shadow maps, the start of k-means, Russian roulette.
+    /// Seed of all random numbers: a reference's paths, the points that VPLs are sampled at, the points of imperfect shadow maps, the start of
+    /// k-means, Russian roulette. 0 leaves patterns of points as their papers have them; another seed rotates them.
     pub seed: u32,
     pub timing: TimingMode,
 }

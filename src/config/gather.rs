@@ -2,6 +2,7 @@
 
 use super::rules::{Broken, broken};
 use super::unused::Unused;
+use super::values::Block;
 use super::{Config, VisibilityMethod};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -11,9 +12,9 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct GatherConfig {
     pub method: GatherMethod,
-    /// Side of the block of pixels that share out the VPLs: each pixel sums one of `interleave`^2 subsets.
-    #[schemars(extend("enum" = [1, 2, 4, 8]))]
-    pub interleave: u32,
+    /// Block of pixels that share out the VPLs: its side, or its width and height as in `[4, 2]`. Each pixel of a block sums another subset
+    /// of the VPLs.
+    pub interleave: Block,
     /// Distance d_min below which a VPL gets no brighter, metres. 0 turns the bound off.
     #[schemars(range(min = 0, max = 1_000_000))]
     pub min_distance: f32,
@@ -26,7 +27,7 @@ impl Default for GatherConfig {
     fn default() -> Self {
         Self {
             method: GatherMethod::PerPixel,
-            interleave: 4,
+            interleave: Block([4, 4]),
             min_distance: 0.3,
             per_pixel: PerPixelConfig::default(),
             stochastic: StochasticConfig::default(),

@@ -50,6 +50,8 @@ pub enum Kind {
     /// One of a few whole numbers.
     OneOf(Vec<i64>),
     Number(Range),
+    /// One of a few whole numbers, or two of them, width and height.
+    Block(Vec<i64>),
     /// Width and height, whole numbers from 1.
     Size {
         max: i64,
@@ -100,6 +102,10 @@ impl Range {
     }
 }
 
+fn numbers(values: &[i64]) -> String {
+    values.iter().map(i64::to_string).collect::<Vec<_>>().join(", ")
+}
+
 fn number(value: f32) -> String {
     if value.abs() >= 1e6 { format!("{value:e}") } else { format!("{value}") }
 }
@@ -117,6 +123,7 @@ impl Kind {
             Kind::Flag => "true or false",
             Kind::Whole { .. } | Kind::OneOf(_) => "a whole number",
             Kind::Number(_) => "a number",
+            Kind::Block(_) => "a whole number, or [width, height]",
             Kind::Size { .. } => "[width, height], two whole numbers",
             Kind::Point(_) | Kind::Direction => "[x, y, z], three numbers",
             Kind::Color(_) => "[red, green, blue], three numbers",
@@ -133,7 +140,8 @@ impl Kind {
             Kind::IndexOrName => "0 and more, or text".to_owned(),
             Kind::Flag => "true, false".to_owned(),
             Kind::Whole { min, max } => format!("{min} to {max}"),
-            Kind::OneOf(values) => values.iter().map(i64::to_string).collect::<Vec<_>>().join(", "),
+            Kind::OneOf(values) => numbers(values),
+            Kind::Block(values) => format!("{}, or two of them", numbers(values)),
             Kind::Size { max } => format!("1 to {max}"),
             Kind::Number(range) | Kind::Point(range) | Kind::Color(range) => range.text(),
             Kind::Direction => "not zero".to_owned(),
@@ -146,6 +154,7 @@ impl Kind {
     /// If the schema describes values that no `Kind` covers.
     fn of(schema: &Value) -> Self {
         let whole = |key: &str| schema[key].as_i64();
+        let values = |schema: &Value| schema["enum"].as_array().map(|values| values.iter().filter_map(Value::as_i64).collect());
         match (schema["type"].as_str(), schema["format"].as_str()) {
             (Some("object"), _) => Kind::Table,
             (Some("array"), Some("size")) => Kind::Size { max: schema["items"]["maximum"].as_i64().unwrap_or(i64::MAX) },
@@ -158,11 +167,12 @@ impl Kind {
             },
             (Some("string"), _) => Kind::Text,
             (Some("boolean"), _) => Kind::Flag,
-            (Some("integer"), _) => match schema["enum"].as_array() {
-                Some(values) => Kind::OneOf(values.iter().filter_map(Value::as_i64).collect()),
+            (Some("integer"), _) => match values(schema) {
+                Some(values) => Kind::OneOf(values),
                 None => Kind::Whole { min: whole("minimum").unwrap_or(0), max: whole("maximum").unwrap_or(u32::MAX.into()) },
             },
             (Some("number"), _) => Kind::Number(Range::of(schema)),
+            (None, Some("block")) => Kind::Block(values(&schema["anyOf"][0]).unwrap_or_default()),
             (None, _) if schema["anyOf"].is_array() => Kind::IndexOrName,
             _ => match Choice::all(schema) {
                 Some(choices) => Kind::Choice(choices),

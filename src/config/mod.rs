@@ -47,6 +47,7 @@ pub use rsm::*;
 pub use scene::{Builtin, SceneConfig, SceneSelector};
 pub use schema::schema;
 pub use ssao::*;
+pub use values::Block;
 pub use visibility::*;
 pub use vpls::*;
 

@@ -3,7 +3,7 @@
 
 use super::facts::{Facts, planned_turns};
 use super::methods::{Choice, Needs};
-use super::vpls::{VplPlace, Vpls};
+use super::vpls::{VplPlace, Vpls, points};
 use super::wants::Wants;
 use crate::config::{BounceConfig, Centers, Config, Layers, Pattern, Representative, Shares, VisibilityMethod};
 use crate::fail;
@@ -69,6 +69,7 @@ shader_struct! {
         count: u32,
         size: i32,
         far: f32,
+        shift: [f32; 2],
     }
 }
 
@@ -173,7 +174,7 @@ pub fn propagate(g: &mut Graph, scene: FrameScene<'_>, first: Vpls, wants: &Want
         let vpls = g.again(next - 1, |g| {
             let clusters = clusters(g, scene, &last.vpls, wants.seed, config);
             last.clusters = Some(clusters);
-            sample(g, &clusters, config)
+            sample(g, &clusters, wants.seed, config)
         });
         bounces.push(Bounce { vpls, clusters: None });
     }
@@ -316,8 +317,9 @@ fn seen_parts(g: &mut Graph, scene: FrameScene<'_>, clusters: &VplClusters, [fir
 
 /// VPLs of the next bounce: samples of the clusters' maps (section III-C), with the flux that the cluster sends there. Counts
 /// `bounce/wasted`, samples outside of a map's disk, and `bounce/lit`, VPLs with flux.
-fn sample(g: &mut Graph, clusters: &VplClusters, config: &BounceConfig) -> Vpls {
+fn sample(g: &mut Graph, clusters: &VplClusters, seed: u32, config: &BounceConfig) -> Vpls {
     let count = config.vpls;
+    let [across, down, ..] = points::shift(seed);
     let vpls = Vpls {
         count,
         places: g.buffer::<VplPlace>("bounce/places", count),
@@ -350,7 +352,7 @@ fn sample(g: &mut Graph, clusters: &VplClusters, config: &BounceConfig) -> Vpls 
         .updates("wasted", wasted)
         .updates("lit", lit)
         .constant("DISK", config.pattern == Pattern::Disk)
-        .params(&SampleParams { count, size, far: clusters.far })
+        .params(&SampleParams { count, size, far: clusters.far, shift: [across, down] })
         .dispatch([count, 1, 1]);
     vpls
 }

@@ -42,7 +42,7 @@ pub struct VplList {
 impl<'f> Facts<'f> {
     /// Numbers of a config whose lights have `maps` shadow maps.
     pub fn of(config: &Config, adapter: &'f Adapter, maps: u32) -> Self {
-        let interleave = Interleave::square(config.gather.interleave);
+        let interleave = Interleave::of(config.gather.interleave);
         let vpls = config.vpl_count(maps);
         let counts = [("vpls.count", vpls), ("bounce.vpls", config.bounce.vpls)];
         let lists = counts.into_iter().zip(config.visibility_of_bounces()).take(if config.bounce.count > 1 { 2 } else { 1 });

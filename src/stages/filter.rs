@@ -28,20 +28,21 @@ impl Choice for FilterKind {
 
 /// Filters the indirect light as the config says; without interleaving and without a radius of its own it returns the input.
 pub fn smooth(g: &mut Graph, gbuffer: &GBuffer, noisy: Indirect, config: &FilterConfig) -> Indirect {
-    let interleave = noisy.pattern.side();
-    let (weights, radius) = match config.kind {
+    let block = [noisy.pattern.across(), noisy.pattern.down()].map(|side| config.radius.unwrap_or(side));
+    let (weights, scale) = match config.kind {
         FilterKind::None => return noisy,
         // Without an interleaving pattern and without a radius in the config, there is no noise to filter.
-        _ if config.radius.unwrap_or(interleave) <= 1 => return noisy,
-        FilterKind::Bilateral => ("filter/weights-bilateral", interleave),
-        FilterKind::Gaussian => ("filter/weights-gaussian", 2 * interleave),
-        FilterKind::CrossBilateral => ("filter/weights-cross-bilateral", interleave),
+        _ if block[0].max(block[1]) <= 1 => return noisy,
+        FilterKind::Bilateral => ("filter/weights-bilateral", 1),
+        FilterKind::Gaussian => ("filter/weights-gaussian", if config.radius.is_some() { 1 } else { 2 }),
+        FilterKind::CrossBilateral => ("filter/weights-cross-bilateral", 1),
     };
-    let radius = config.radius.unwrap_or(radius);
+    // Rows by the block's width, columns by its height.
+    let radii = block.map(|side| if side > 1 { side * scale } else { 1 });
     let irradiance =
-        separable(g, gbuffer, noisy.irradiance, weights, ["filter/rows", "filter/columns", "filter/irradiance"], radius, config);
+        separable(g, gbuffer, noisy.irradiance, weights, ["filter/rows", "filter/columns", "filter/irradiance"], radii, config);
     let names = ["filter/reflection-rows", "filter/reflection-columns", "filter/reflection"];
-    let reflection = noisy.reflection.map(|noisy| separable(g, gbuffer, noisy, weights, names, radius, config));
+    let reflection = noisy.reflection.map(|noisy| separable(g, gbuffer, noisy, weights, names, radii, config));
     Indirect { irradiance, reflection, ..noisy }
 }
 
@@ -52,17 +53,17 @@ fn separable(
     noisy: Image,
     weights: &'static str,
     [in_rows, in_columns, name]: [&'static str; 3],
-    radius: u32,
+    radii: [u32; 2],
     config: &FilterConfig,
 ) -> Image {
     let rows = g.image(in_rows, Format::Rgba16Float, gbuffer.size);
     let smoothed = g.image(name, Format::Rgba16Float, gbuffer.size);
-    let params = SeparableParams {
-        radius: radius as i32,
+    let params = |radius| SeparableParams {
+        radius,
         min_cosine: config.normal_threshold_deg.to_radians().cos(),
         plane_distance: config.plane_distance,
     };
-    for (name, vertical, from, to) in [(in_rows, false, noisy, rows), (in_columns, true, rows, smoothed)] {
+    for (name, vertical, from, to, radius) in [(in_rows, false, noisy, rows, radii[0]), (in_columns, true, rows, smoothed, radii[1])] {
         g.compute(name)
             .shader("filter/separable")
             .part("weights", weights)
@@ -72,7 +73,7 @@ fn separable(
             .reads("noisy", from)
             .writes("smoothed", to)
             .constant("VERTICAL", vertical)
-            .params(&params)
+            .params(&params(radius as i32))
             .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
     }
     smoothed

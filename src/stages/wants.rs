@@ -44,7 +44,7 @@ impl Wants {
             clusters: config.visibility.method == VisibilityMethod::Clusters,
             visibility: config.visibility_of_bounces(),
             shared_maps: config.shared_maps(),
-            interleave: Interleave::square(config.gather.interleave),
+            interleave: Interleave::of(config.gather.interleave),
             dielectric: config.materials.dielectric,
             min_distance: config.gather.min_distance,
             seed: config.frame.seed,

@@ -95,7 +95,7 @@ fn config() -> Config {
     config.frame.fps = FPS;
     config.rsm.size = [64, 64];
     config.vpls.count = 128;
-    config.gather.interleave = 2;
+    config.gather.interleave = 2.into();
     config
 }
 

@@ -399,7 +399,7 @@ fn a_cluster_of_one_vpl_sees_what_rays_see() {
     config.vpls.count = 24;
     config.rsm.size = [128, 128];
     config.bounce.clusters.count = 64;
-    config.gather.interleave = 1;
+    config.gather.interleave = 1.into();
     config.filter.kind = FilterKind::None;
     let mut renderer = traced(load_scene(&scene).unwrap().0);
     let mut indirect = |method| {
@@ -458,7 +458,7 @@ fn clusters_that_are_kept_flicker_less_than_ones_seeded_anew() {
     config.frame.count = 20;
     config.gather.per_pixel.emitters = Emitters::Disks;
     // The pattern of interleaving would flicker whatever clusters do.
-    config.gather.interleave = 1;
+    config.gather.interleave = 1.into();
     let mut renderer = renderer(scene);
     let mut flicker = |centers| {
         config.bounce.clusters.centers = centers;
@@ -670,7 +670,7 @@ fn importance_brings_the_pictures_sum_nearer_to_that_of_all_texels() {
     let (scene, mut config) = small_atrium();
     config.bounce.count = 1;
     config.visibility.method = VisibilityMethod::None;
-    config.gather.interleave = 1;
+    config.gather.interleave = 1.into();
     config.filter.kind = FilterKind::None;
     let mut renderer = renderer(scene);
     let mut indirect = |count, importance| {

@@ -142,7 +142,7 @@ pub fn plain(size: [u32; 2], position: Vec3, target: Vec3, fov_y_deg: f32, light
     };
     let mut config = Config { camera: Some(camera), light: vec![light], ..Config::default() };
     config.frame.size = size;
-    config.gather.interleave = 1;
+    config.gather.interleave = 1.into();
     config.gather.min_distance = 0.0;
     config.filter.kind = FilterKind::None;
     config.direct.shadows = Shadows::None;

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use glam::Vec3;
-use manylight::config::{Builtin, CameraConfig, Config, Culling, FilterKind, LightConfig, SceneConfig, VisibilityMethod};
+use manylight::config::{Block, Builtin, CameraConfig, Config, Culling, FilterKind, LightConfig, SceneConfig, VisibilityMethod};
 use manylight::output::Plane;
 use manylight::renderer::Renderer;
 use manylight::scene::Scene;
@@ -32,7 +32,7 @@ fn same(renderer: &mut Renderer, config: &Config, what: &str) {
     assert!(all.values == tiled.values, "{what}: tiled culling changed the picture");
     let clustered = culled(renderer, config, Culling::Clustered);
     // With fewer sets than parts of a list, VPLs are summed in another order; values are stored as halves.
-    let exact = config.gather.interleave >= 4;
+    let exact = config.gather.interleave.0.iter().product::<u32>() >= 16;
     for (i, (a, b)) in all.values.iter().zip(&clustered.values).enumerate() {
         let same = if exact { a == b } else { (a - b).abs() <= 2e-3 * a.abs() };
         assert!(same, "{what}: clustered culling made {b} of {a} in value {i}");
@@ -53,19 +53,19 @@ fn culling_never_changes_the_picture_whatever_the_view_and_the_block() {
         ("at the sky", [64, 64], [0.0, 2.0, 0.0], [0.1, 50.0, 0.2]),
     ];
     for (name, size, position, target) in views {
-        for interleave in [1, 2, 4, 8] {
+        for block in [[1, 1], [2, 2], [4, 2], [4, 4], [2, 8], [8, 8]].map(Block) {
             let mut config = config(size, position, target);
-            config.gather.interleave = interleave;
-            same(&mut renderer, &config, &format!("{name}, {interleave}x{interleave}"));
+            config.gather.interleave = block;
+            same(&mut renderer, &config, &format!("{name}, {block}"));
         }
     }
     for method in [VisibilityMethod::RayTraced, VisibilityMethod::ImperfectShadowMaps] {
         let mut config = config([150, 83], [-8.2, 1.9, -6.2], [0.0, 2.2, -5.4]);
         config.visibility.method = method;
         config.visibility.ism.point_count = 50_000;
-        for interleave in [2, 4] {
-            config.gather.interleave = interleave;
-            same(&mut renderer, &config, &format!("{method:?}, {interleave}x{interleave}"));
+        for block in [[2, 2], [4, 2], [4, 4]].map(Block) {
+            config.gather.interleave = block;
+            same(&mut renderer, &config, &format!("{method:?}, {block}"));
         }
     }
     finish(renderer.gpu());
@@ -129,7 +129,7 @@ fn lists_are_short_where_vpls_face_away_and_a_full_one_spoils_no_neighbour() {
 fn without_interleaving_every_pixel_gathers_every_vpl() {
     let mut renderer = renderer(atrium());
     let mut config = config([48, 27], [-8.2, 1.9, -6.2], [0.0, 2.2, -5.4]);
-    config.gather.interleave = 1;
+    config.gather.interleave = 1.into();
     config.vpls.count = 300;
     for culling in [Culling::None, Culling::Tiled, Culling::Clustered] {
         config.gather.per_pixel.culling = culling;

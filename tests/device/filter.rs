@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use glam::{DVec3, Vec3};
-use manylight::config::{Config, FilterKind};
+use manylight::config::{Block, Config, FilterKind};
 use manylight::renderer::Renderer;
 
 const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
@@ -35,13 +35,16 @@ fn every_filter_takes_the_pattern_of_interleaving_away() {
     let (mut renderer, mut config) = lit_wall(Vec3::new(2.0, 0.0, 2.2), 40.0);
     let (truth, positions) = indirect(&mut renderer, &config);
     let on_floor = |i: usize| positions[i].y < 1e-3 && (1.0..4.0).contains(&positions[i].z);
-    config.gather.interleave = 4;
-    let noisy = off(&indirect(&mut renderer, &config).0, &truth, &on_floor);
-    for kind in KINDS {
-        config.filter.kind = kind;
-        let left = off(&indirect(&mut renderer, &config).0, &truth, &on_floor);
-        println!("{kind:?}: {left:.5} of {noisy:.4} is left");
-        assert!(left < 0.02 * noisy, "{kind:?} leaves {left} of {noisy}");
+    for block in [[4, 4], [4, 2], [1, 4]].map(Block) {
+        config.gather.interleave = block;
+        config.filter.kind = FilterKind::None;
+        let noisy = off(&indirect(&mut renderer, &config).0, &truth, &on_floor);
+        for kind in KINDS {
+            config.filter.kind = kind;
+            let left = off(&indirect(&mut renderer, &config).0, &truth, &on_floor);
+            println!("{block}, {kind:?}: {left:.5} of {noisy:.4} is left");
+            assert!(left < 0.02 * noisy, "{block}, {kind:?} leaves {left} of {noisy}");
+        }
     }
     finish(renderer.gpu());
 }

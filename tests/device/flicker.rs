@@ -72,7 +72,7 @@ fn a_moving_camera_under_exact_visibility_sees_little_flicker_and_no_surface_for
     config.frame.count = 3;
     config.visibility.method = VisibilityMethod::RayTraced;
     config.direct.shadows = Shadows::RayTraced;
-    config.gather.interleave = 1;
+    config.gather.interleave = 1.into();
     config.filter.kind = manylight::config::FilterKind::None;
     // The bound leaves a smooth function of the surface, without peaks near VPLs.
     config.gather.min_distance = 1.0;

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use glam::{DQuat, DVec3, Vec3};
-use manylight::config::{Config, LightConfig};
+use manylight::config::{Block, Config, LightConfig};
 use manylight::output::Picture;
 use manylight::scene::{Material, Scene};
 use std::f64::consts::PI;
@@ -118,7 +118,7 @@ fn interleaving_keeps_the_mean_of_every_block_of_its_pattern() {
     let mut config = plain([128, 128], Vec3::new(3.5, 1.8, 2.5), Vec3::new(0.0, 1.8, 2.5), 30.0, light);
     config.rsm.size = [MAP, MAP];
     config.vpls.count = 4096;
-    let mut blocks = |interleave: u32| {
+    let mut blocks = |interleave: Block| {
         config.gather.interleave = interleave;
         let picture = picture(&mut renderer, &config);
         let texels: Vec<Vec3> = picture.irradiance.rgb().collect();
@@ -128,8 +128,8 @@ fn interleaving_keeps_the_mean_of_every_block_of_its_pattern() {
         };
         (texels.clone(), (0..256).map(block).collect::<Vec<_>>())
     };
-    let (plain, expected) = blocks(1);
-    for interleave in [2, 4, 8] {
+    let (plain, expected) = blocks(1.into());
+    for interleave in [[2, 2], [4, 2], [4, 4], [1, 8], [8, 8]].map(Block) {
         let (texels, found) = blocks(interleave);
         assert_ne!(texels, plain, "interleaving changes single pixels");
         let errors = found.iter().zip(&expected).map(|(a, b)| ((*a - *b).abs() / *b).max_element());
@@ -210,14 +210,14 @@ fn a_pixel_can_take_sixty_thousand_vpls_and_no_more_than_drivers_sum() {
     let mut config = config(DQuat::IDENTITY, light, 65_536);
     config.rsm.size = [256, 256];
     let mut mean = |interleave: u32| {
-        config.gather.interleave = interleave;
+        config.gather.interleave = interleave.into();
         let picture = picture(&mut renderer, &config);
         picture.irradiance.rgb().map(|c| f64::from(c.x + c.y + c.z)).sum::<f64>() / 4096.0
     };
     let (whole, quarters) = (mean(1), mean(2));
     assert!(whole > 0.0 && (whole / quarters - 1.0).abs() < 2e-3, "{whole} in one go, {quarters} in quarters");
 
-    config.gather.interleave = 1;
+    config.gather.interleave = 1.into();
     config.rsm.size = [512, 512];
     let refused = |renderer: &manylight::renderer::Renderer, config: &Config| renderer.check(config).unwrap_err().to_string();
     config.vpls.count = 512 * 512;

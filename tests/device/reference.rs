@@ -274,7 +274,7 @@ fn one_bounce_vpls_in_an_empty_box_are_the_path_tracers_first_bounce() {
 fn compare_ray_traced(name: &str, renderer: &mut Renderer, config: &mut Config, samples: u32) {
     config.rsm.size = [128, 128];
     config.vpls.count = 128 * 128;
-    config.gather.interleave = 1;
+    config.gather.interleave = 1.into();
     config.gather.min_distance = 0.3;
     config.visibility.method = VisibilityMethod::RayTraced;
     let found = picture(renderer, config);

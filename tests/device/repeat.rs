@@ -143,7 +143,7 @@ fn isolated_and_serial_timing_agree_pass_by_pass() {
     let mut renderer = Renderer::open(&options, load_scene(&config().scene).unwrap().0, Needs::default()).unwrap();
     let mut config = config();
     config.frame.size = [256, 192];
-    config.gather.interleave = 1;
+    config.gather.interleave = 1.into();
     // Other tests may load the machine in one mode and not in the other. A fault of the timestamps shows in every attempt.
     let found: Vec<String> = (0..4).map_while(|_| disagreement(&mut renderer, &config)).collect();
     assert!(found.len() < 4, "{}", found.join("; "));

@@ -3,8 +3,8 @@
 use crate::common::*;
 use glam::{Affine3A, DVec3, Vec2, Vec3};
 use manylight::config::{
-    Bounds, Builtin, Config, Dielectric, GatherMethod, Rasterization, Receiver, Reflection, RouletteChoice, SceneConfig, StochasticCulling,
-    VisibilityMethod, VplSampler,
+    Block, Bounds, Builtin, Config, Dielectric, GatherMethod, Rasterization, Receiver, Reflection, RouletteChoice, SceneConfig,
+    StochasticCulling, VisibilityMethod, VplSampler,
 };
 use manylight::gpu::Format;
 use manylight::graph::{Engine, Execution, Graph, Library};
@@ -35,7 +35,7 @@ fn metal(roughness: f32) -> (Scene, Config) {
 fn stochastic(config: &mut Config) {
     config.vpls.sampler = VplSampler::EveryTexel;
     config.vpls.reflection = Reflection::Both;
-    config.gather.interleave = 4;
+    config.gather.interleave = 4.into();
     (config.gather.method, config.gather.stochastic.culling) = (GatherMethod::Stochastic, StochasticCulling::Tiled);
     config.gather.stochastic.delta = 0.01;
     config.gather.min_distance = 0.05;
@@ -44,7 +44,7 @@ fn stochastic(config: &mut Config) {
 
 /// Without stochastic ranges and least distance, with ray-traced shadows: the result is the light of all VPLs.
 fn exact(config: &mut Config) {
-    config.gather.interleave = 1;
+    config.gather.interleave = 1.into();
     config.gather.min_distance = 0.0;
     config.gather.stochastic.delta = 1e-6;
     config.visibility.method = VisibilityMethod::RayTraced;
@@ -63,7 +63,7 @@ fn light_of_paths(renderer: &mut Renderer, config: &Config, samples: u32, chosen
     let expected = reference(renderer, config, settings, samples).mean(Sum::Bounce(1));
     let mut quick = config.clone();
     quick.visibility.method = VisibilityMethod::None;
-    quick.gather.interleave = 8;
+    quick.gather.interleave = 8.into();
     mean_of_surfaces(&picture(renderer, &quick), &expected, chosen)
 }
 
@@ -300,7 +300,7 @@ fn chance_takes_no_light_away_on_average_and_clamped_ranges_do() {
     let (scene, mut config) = metal(0.1);
     config.frame.size = [64, 36];
     config.rsm.size = [32, 32];
-    config.gather.interleave = 1;
+    config.gather.interleave = 1.into();
     // With a larger delta, rare lights would not occur in so many realisations, and their variance would be unknown.
     config.gather.stochastic.delta = 0.005;
     let mut renderer = renderer(scene);
@@ -458,7 +458,7 @@ fn all_vpls_that_one_pixel_may_have_shine_on_it() {
     let mut config = plain([40, 40], Vec3::new(0.0, 0.1, 0.0), Vec3::new(0.0, 1.0, 0.01), 20.0, directional(Vec3::NEG_Y, [3.0, 2.5, 2.0]));
     config.rsm.size = [141, 141];
     stochastic(&mut config);
-    config.gather.interleave = 1;
+    config.gather.interleave = 1.into();
     config.gather.stochastic.delta = 1e-6;
     config.gather.stochastic.statistics = true;
     let mut renderer = renderer(scene);
@@ -526,22 +526,25 @@ fn nothing_is_lost_at_any_interleaving_odd_size_and_light() {
     let point = manylight::config::LightConfig::Point { position: [0.3, 1.4, 0.6], intensity: [8.0, 7.0, 6.0], keyframes: Vec::new() };
     let sun = directional(Vec3::new(-0.4, -1.0, -0.3), [4.0, 4.0, 3.5]);
     let mut renderer = renderer(scene);
-    for (interleave, size, lights) in
-        [(1, [77, 51], vec![sun.clone()]), (2, [131, 67], vec![point.clone()]), (8, [203, 117], vec![sun, point])]
-    {
+    for (interleave, size, lights) in [
+        ([1, 1], [77, 51], vec![sun.clone()]),
+        ([2, 2], [131, 67], vec![point.clone()]),
+        ([4, 2], [131, 67], vec![point.clone()]),
+        ([8, 8], [203, 117], vec![sun, point]),
+    ] {
         config.frame.size = size;
-        config.gather.interleave = interleave;
+        config.gather.interleave = Block(interleave);
         config.light = lights;
         config.rsm.size = [32, 24];
         (config.gather.method, config.gather.stochastic.culling) = (GatherMethod::Stochastic, StochasticCulling::Tiled);
         config.gather.stochastic.bounds = Bounds::None;
         let every = irradiance(&mut renderer, &config);
         config.gather.stochastic.bounds = Bounds::Ellipsoid;
-        assert!(irradiance(&mut renderer, &config) == every, "{size:?} by {interleave} loses light");
+        assert!(irradiance(&mut renderer, &config) == every, "{size:?} by {interleave:?} loses light");
         for culling in [StochasticCulling::Splatting, StochasticCulling::ConservativeClusters] {
             config.gather.stochastic.culling = culling;
             let pixels = apart(&irradiance(&mut renderer, &config), &every);
-            assert!(pixels == 0, "{culling:?} differs in {pixels} pixels of {size:?} by {interleave}");
+            assert!(pixels == 0, "{culling:?} differs in {pixels} pixels of {size:?} by {interleave:?}");
         }
     }
     finish(renderer.gpu());

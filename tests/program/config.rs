@@ -300,7 +300,7 @@ fn overrides_are_toml_or_bare_strings_and_the_last_one_wins() {
         ],
     )
     .unwrap();
-    assert_eq!(config.gather.interleave, 8);
+    assert_eq!(config.gather.interleave, 8.into());
     assert_eq!(config.frame.size, [64, 32]);
     assert_eq!(config.compose.tonemap, Tonemap::None);
     assert_eq!(config.output.layers, []);
@@ -322,7 +322,7 @@ fn a_config_lies_over_its_base_key_by_key_and_a_list_replaces_a_list() {
         ],
     );
     let config = folder.load("top.toml", &[]).unwrap();
-    assert_eq!((config.gather.interleave, config.gather.min_distance, config.vpls.count), (8, 0.2, 64));
+    assert_eq!((config.gather.interleave, config.gather.min_distance, config.vpls.count), (8.into(), 0.2, 64));
     assert_eq!(config.scene.triangles, 50_000);
     assert_eq!(config.light, [LightConfig::Environment { radiance: [1.0; 3] }]);
     assert_eq!(folder.load("top.toml", &["scene.builtin=cornell"]).unwrap().scene.builtin, Some(Builtin::Cornell));

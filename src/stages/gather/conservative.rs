@@ -40,10 +40,9 @@ pub(super) fn conservative_clusters(
 ) -> Indirect {
     let (gbuffer, shells, interleave) = (around.gbuffer, around.residents.shells(), around.wants.interleave);
     let Ranges { spheres, spheroids, chances, lobes } = ranges(g, gbuffer, vpls, roulette, config);
-    let n = interleave.side();
     let tiles = interleave.pixels_of_set(gbuffer.size).map(|side| side.div_ceil(TILE));
     let in_set = tiles[0] * tiles[1];
-    let touched = g.image("gather/touched", Format::R32Float, tiles.map(|side| side * n));
+    let touched = g.image("gather/touched", Format::R32Float, interleave.of_all_sets(tiles));
     let shells_of = |there: bool| if there { vpls.count * in_set } else { 1 };
     let diffuse_shells = g.zeroed::<[u32; 2]>("gather/diffuse-shells", shells_of(vpls.diffuse));
     let glossy_shells = g.zeroed::<[u32; 2]>("gather/glossy-shells", shells_of(vpls.lobes.is_some()));
@@ -61,7 +60,8 @@ pub(super) fn conservative_clusters(
         .reads("spheroids", spheroids)
         .updates("diffuse_shells", diffuse_shells)
         .updates("glossy_shells", glossy_shells)
-        .constant("INTERLEAVE", n)
+        .constant("BLOCK_ACROSS", interleave.across())
+        .constant("BLOCK_DOWN", interleave.down())
         .color("touched", touched, [0.0; 4])
         .draw(lists);
     let heads = g.buffer::<[u32; 2]>("gather/heads", interleave.sets() * in_set * SLICES);
@@ -75,7 +75,8 @@ pub(super) fn conservative_clusters(
         .writes("nodes", nodes)
         .updates("used", used)
         .updates("lost", lost)
-        .constant("INTERLEAVE", n)
+        .constant("BLOCK_ACROSS", interleave.across())
+        .constant("BLOCK_DOWN", interleave.down())
         .constant("DIFFUSE", vpls.diffuse)
         .constant("LOBES", vpls.lobes.is_some())
         .params(&ShellListsParams { count: vpls.count, capacity: config.conservative_clusters.nodes })
@@ -95,7 +96,8 @@ pub(super) fn conservative_clusters(
         .reads("nodes", nodes)
         .writes("numbers", numbers)
         .writes("irradiance", irradiance)
-        .constant("INTERLEAVE", n)
+        .constant("BLOCK_ACROSS", interleave.across())
+        .constant("BLOCK_DOWN", interleave.down())
         .constant("STATISTICS", config.stochastic.statistics)
         .constant("COATED", is_coated(vpls, around.wants.dielectric))
         .params(&StochasticParams::of(vpls, config))

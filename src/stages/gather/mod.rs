@@ -116,7 +116,7 @@ fn add(g: &mut Graph, [pass, name]: [&'static str; 2], first: Image, second: Ima
     sum
 }
 
-/// Sums one in `interleave^2` of the VPLs at every pixel (Linke 2016, section 4.5), without VPLs that face away if there is culling.
+/// Sums one sample set of the VPLs at every pixel (Linke 2016, section 4.5), without VPLs that face away if there is culling.
 fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: Visibility, config: &GatherConfig) -> Indirect {
     let (gbuffer, interleave) = (around.gbuffer, around.wants.interleave);
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
@@ -140,7 +140,8 @@ fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: V
         .reads("areas", vpls.areas)
         .writes("irradiance", irradiance)
         .constant("DISKS", config.per_pixel.emitters == Emitters::Disks)
-        .constant("INTERLEAVE", interleave.side())
+        .constant("BLOCK_ACROSS", interleave.across())
+        .constant("BLOCK_DOWN", interleave.down())
         .params(&PerPixelParams { count: vpls.count, squared_min_distance: config.min_distance * config.min_distance })
         .dispatch_groups([groups[0], groups[1], 1]);
     Indirect { irradiance, reflection: None, pattern: interleave }

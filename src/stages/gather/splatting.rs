@@ -21,8 +21,7 @@ shader_struct! {
 pub(super) fn splatting(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, roulette: Roulette, config: &GatherConfig) -> Indirect {
     let (gbuffer, shells, interleave) = (around.gbuffer, around.residents.shells(), around.wants.interleave);
     let Ranges { spheres, spheroids, chances, lobes } = ranges(g, gbuffer, vpls, roulette, config);
-    let n = interleave.side();
-    let sorted = g.image("gather/sorted", Format::Rgba32Float, interleave.pixels_of_set(gbuffer.size).map(|side| side * n));
+    let sorted = g.image("gather/sorted", Format::Rgba32Float, interleave.of_all_sets(interleave.pixels_of_set(gbuffer.size)));
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
     let lists = bounds(g, shells, vpls, Shell::Eighty, true);
     g.raster("gather/splatting")
@@ -35,7 +34,8 @@ pub(super) fn splatting(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, ro
         .reads("spheres", spheres)
         .reads("spheroids", spheroids)
         .reads("chances", chances)
-        .constant("INTERLEAVE", n)
+        .constant("BLOCK_ACROSS", interleave.across())
+        .constant("BLOCK_DOWN", interleave.down())
         .constant("COATED", is_coated(vpls, around.wants.dielectric))
         .params(&StochasticParams::of(vpls, config))
         .color_sum("sum", sorted)
@@ -43,7 +43,8 @@ pub(super) fn splatting(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, ro
     g.compute("gather/reorder")
         .reads("sorted", sorted)
         .writes("irradiance", irradiance)
-        .constant("INTERLEAVE", n)
+        .constant("BLOCK_ACROSS", interleave.across())
+        .constant("BLOCK_DOWN", interleave.down())
         .params(&ReorderParams { size: gbuffer.size.map(|side| side as i32) })
         .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
     Indirect { irradiance, reflection: None, pattern: interleave }

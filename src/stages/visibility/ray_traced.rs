@@ -31,7 +31,8 @@ pub(super) fn render(g: &mut Graph, traced: &TracedHandles, gbuffer: &GBuffer, v
         .reads("places", vpls.places)
         .reads("areas", vpls.areas)
         .writes("visible", visible)
-        .constant("INTERLEAVE", interleave.side())
+        .constant("BLOCK_ACROSS", interleave.across())
+        .constant("BLOCK_DOWN", interleave.down())
         .params(&RayTracedParams { count: vpls.count })
         .dispatch_groups([groups[0], groups[1], layers]);
     Visibility::Bits(visible)

@@ -108,10 +108,12 @@ impl Choice for Importance {
     }
 }
 
-/// Refuses counts of VPLs below the number of maps or above the number of texels, and chains that a buffer cannot hold.
+/// Refuses counts of VPLs below the number of maps or above the number of texels, where each map and texel has its share, and chains that a
+/// buffer cannot hold.
 pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     let (count, maps, texels) = (u64::from(facts.vpls), u64::from(facts.maps), facts.texels);
-    if count < maps || count > texels {
+    let draws = matches!(config.vpls.sampler, VplSampler::Uniform | VplSampler::InverseTransform | VplSampler::MetropolisHastings);
+    if !draws && (count < maps || count > texels) {
         return Err(fail!(
             BadInput,
             "vpls.count: {count} is out of range, expected {maps} to {texels}: at least one for each shadow map, at most one a texel"
