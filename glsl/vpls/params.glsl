@@ -1,3 +1,5 @@
+#ifndef VPLS_PARAMS_GLSL
+#define VPLS_PARAMS_GLSL
 // What the samplers of reflective shadow maps are told; src/stages/vpls/points.rs fills in the points.
 layout(local_size_x = 64) in;
 
@@ -10,3 +12,4 @@ layout(scalar, push_constant) uniform Params {
     uint start;   // of Halton points
     uint seed;
 } params;
+#endif

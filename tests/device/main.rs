@@ -12,6 +12,7 @@ mod flicker;
 mod frames;
 mod functions;
 mod graph;
+mod importance;
 mod indirect;
 mod ism;
 mod lanes;

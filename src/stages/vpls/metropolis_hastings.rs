@@ -32,15 +32,13 @@ pub(super) fn propose(g: &mut Graph, importance: &TexelImportance, rsm: &Rsm, pa
     let source = match chains.evaluate {
         Evaluate::Map => Source::Map(importance.map(g, rsm)),
         Evaluate::Proposals => {
-            let count = params.count * chains.steps;
-            let proposed = g.buffer::<f32>("vpls/proposed", count);
+            let proposed = g.buffer::<f32>("vpls/proposed", params.count * chains.steps);
             importance
                 .bind(g.compute("vpls/proposals"))
                 .part("points", points::part(config))
                 .writes("proposed", proposed)
-                .constant("STEPS", chains.steps)
                 .params(params)
-                .dispatch([count.div_ceil(4), 1, 1]);
+                .dispatch([params.count.div_ceil(4), chains.steps, 1]);
             Source::Proposals(proposed)
         }
     };

@@ -1,0 +1,454 @@
+//! VPLs by importance to the view (Barák, Bittner and Havran 2013): estimates, chains, densities and the numbers they hang on.
+
+use crate::common::*;
+use glam::{DVec3, Vec3};
+use manylight::config::{
+    Acceptance, Config, Dielectric, Evaluate, GatherMethod, Importance, LightConfig, Numbers, Reflection, VplSampler, Weights,
+};
+use manylight::graph::Execution;
+use manylight::renderer::{Rendered, Renderer};
+use manylight::stages::vpls::VplPlace;
+use manylight::world::projection::Projector;
+
+const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
+/// Texels of each of the two maps.
+const MAP: [u32; 2] = [16, 8];
+const CHAINS: u32 = 1 << 19;
+
+fn lamps() -> Vec<LightConfig> {
+    vec![
+        spot(Vec3::new(1.0, 1.5, 1.0), Vec3::new(1.0, -0.6, 1.0), [10.0; 3], 30.0, 60.0),
+        spot(Vec3::new(3.0, 2.0, 4.0), Vec3::new(-1.0, 0.2, -0.4), [4.0, 6.0, 9.0], 20.0, 55.0),
+    ]
+}
+
+/// A box under two lamps, seen from a corner, with so few texels that their whole distribution can be worked out.
+fn two_lamps() -> (Renderer, Config) {
+    let albedos = [[0.7, 0.1, 0.1], [0.1, 0.7, 0.1], [0.5, 0.5, 0.5], [0.8, 0.8, 0.8], [0.3, 0.3, 0.6], [0.6, 0.6, 0.3]].map(DVec3::from);
+    let renderer = renderer(room(&walls(SIZE, albedos)));
+    let mut config = plain([24, 16], Vec3::new(0.4, 1.6, 4.6), Vec3::new(3.0, 1.0, 0.5), 70.0, lamps().remove(0));
+    config.light = lamps();
+    config.gather.min_distance = 0.3;
+    config.rsm.size = MAP;
+    config.vpls.sampler = VplSampler::MetropolisHastings;
+    config.vpls.importance = Importance::View;
+    config.vpls.view_importance.samples = 64;
+    // Every lit texel is important to some degree.
+    config.vpls.view_importance.defensive = 0.1;
+    config.vpls.numbers = Numbers::Random;
+    (renderer, config)
+}
+
+fn vpls(renderer: &mut Renderer, config: &Config) -> Rendered {
+    renderer.check(config).unwrap_or_else(|error| panic!("{error:#}"));
+    let (passes, _) = renderer.names(config).unwrap();
+    let dump = passes.into_iter().filter(|pass| pass.starts_with("vpls/") || *pass == "rsm/draw").map(str::to_owned).collect();
+    renderer.render(config, 0, false, &Execution { dump, ..Execution::default() }).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+fn pod<T: bytemuck::Pod>(rendered: &Rendered, resource: &str) -> Vec<T> {
+    bytemuck::pod_collect_to_vec(dumped(rendered, resource))
+}
+
+/// The texels of all maps, by which VPLs are recognized.
+struct Population {
+    projectors: Vec<Projector>,
+    /// Place of each texel; `None` without a surface.
+    places: Vec<Option<Vec3>>,
+    importance: Vec<f64>,
+    /// Cross section of each texel's beam, m^2.
+    beams: Vec<f64>,
+}
+
+impl Population {
+    /// Population of a config whose sampler has the map of importance.
+    fn of(renderer: &mut Renderer, config: &Config) -> Self {
+        let mut config = config.clone();
+        (config.vpls.sampler, config.vpls.count) = (VplSampler::InverseTransform, 16);
+        let rendered = vpls(renderer, &config);
+        let projectors = renderer.shot(&config, 0).unwrap().lighting.projectors;
+        let depths: Vec<f32> = pod(&rendered, "rsm/depth");
+        let importance = pod::<f32>(&rendered, "vpls/importance-map").into_iter().map(f64::from).collect();
+        let [width, height] = config.rsm.size;
+        let texel = |i: usize| {
+            let light = &projectors[i / (width * height) as usize];
+            let (x, y) = (i as u32 % width, i as u32 / width % height);
+            let ndc = [(x as f32 + 0.5) / width as f32 * 2.0 - 1.0, (y as f32 + 0.5) / height as f32 * 2.0 - 1.0];
+            let [right, up, direction, origin] = [light.right, light.up, light.direction, light.origin].map(Vec3::from);
+            let place = (depths[i] > 0.0).then(|| origin + (direction + ndc[0] * right - ndc[1] * up) * (light.near / depths[i]));
+            let (across, down) = (f64::from(ndc[0] * right.length()), f64::from(ndc[1] * up.length()));
+            let angle = f64::from(light.texel_area) / (1.0 + across * across + down * down).powf(1.5);
+            (place, place.map_or(0.0, |place| angle * f64::from(place.distance_squared(origin))))
+        };
+        let (places, beams) = (0..depths.len()).map(texel).unzip();
+        Self { projectors, places, importance, beams }
+    }
+
+    fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Number of the texel at a place.
+    fn texel(&self, place: Vec3) -> usize {
+        let [width, height] = MAP;
+        let at = |(layer, light): (usize, &Projector)| {
+            let clip = glam::Mat4::from_cols_array_2d(&light.world_to_clip) * place.extend(1.0);
+            let (x, y) = ((clip.x / clip.w * 0.5 + 0.5) * width as f32, (clip.y / clip.w * 0.5 + 0.5) * height as f32);
+            let inside = (0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y);
+            let texel = layer * (width * height) as usize + y as usize * width as usize + x as usize;
+            (inside && self.places[texel].is_some_and(|known| known.distance(place) < 1e-4)).then_some(texel)
+        };
+        self.projectors.iter().enumerate().find_map(at).unwrap_or_else(|| panic!("{place} is no texel's"))
+    }
+
+    /// Texel and weight of each lit VPL: 1 for a VPL of uniform sampling.
+    fn weights(&self, rendered: &Rendered) -> Vec<(usize, f64)> {
+        let (places, areas): (Vec<VplPlace>, Vec<f32>) = (pod(rendered, "vpls/places"), pod(rendered, "vpls/areas"));
+        let uniform = self.len() as f64 / places.len() as f64;
+        let one = |(place, area): (&VplPlace, &f32)| {
+            let texel = self.texel(place.position.into());
+            (texel, f64::from(*area) / self.beams[texel] / uniform)
+        };
+        places.iter().zip(&areas).filter(|(_, area)| **area > 0.0).map(one).collect()
+    }
+
+    /// Exact expectations of a Metropolis-Hastings chain of `steps` independent uniform proposals: the share of chains that end at each
+    /// texel, and the mean, over all chains, of the sum of proposed importances where they end there.
+    fn chain(&self, steps: u32) -> (Vec<f64>, Vec<f64>) {
+        let (f, n) = (&self.importance, self.len());
+        let each = 1.0 / n as f64;
+        let (mut p, mut q) = (vec![each; n], f.iter().map(|f| f * each).collect::<Vec<_>>());
+        for _ in 1..steps {
+            let (mut next_p, mut next_q) = (vec![0.0; n], vec![0.0; n]);
+            for v in 0..n {
+                let (mut stays, mut rejected) = (each, f[v] * each);
+                for y in (0..n).filter(|y| *y != v) {
+                    let accepts = if f[v] > 0.0 { (f[y] / f[v]).min(1.0) } else { 1.0 } * each;
+                    next_p[y] += p[v] * accepts;
+                    next_q[y] += (q[v] + p[v] * f[y]) * accepts;
+                    stays += each - accepts;
+                    rejected += (each - accepts) * f[y];
+                }
+                next_p[v] += p[v] * stays;
+                next_q[v] += q[v] * stays + p[v] * rejected;
+            }
+            (p, q) = (next_p, next_q);
+        }
+        (p, q)
+    }
+}
+
+/// Pearson's statistic of counts against shares, in standard deviations over its mean; texels that expect few are merged.
+fn chi_square(counts: &[u64], shares: &[f64]) -> f64 {
+    let total = counts.iter().sum::<u64>() as f64;
+    let (mut statistic, mut bins, mut rest) = (0.0, 0.0, (0.0, 0.0));
+    for (count, share) in counts.iter().zip(shares) {
+        let expected = share * total;
+        if expected < 5.0 {
+            rest = (rest.0 + *count as f64, rest.1 + expected);
+        } else {
+            statistic += (*count as f64 - expected).powi(2) / expected;
+            bins += 1.0;
+        }
+    }
+    if rest.1 >= 5.0 {
+        statistic += (rest.0 - rest.1).powi(2) / rest.1;
+        bins += 1.0;
+    }
+    (statistic - (bins - 1.0)) / f64::sqrt(2.0 * (bins - 1.0))
+}
+
+/// Mean of the numbers over `all`, of which those that are not listed are 0, and its standard error.
+fn mean_and_error(numbers: impl Iterator<Item = f64>, all: usize) -> (f64, f64) {
+    let (sum, squares) = numbers.fold((0.0, 0.0), |(sum, squares), x| (sum + x, squares + x * x));
+    let n = all as f64;
+    let mean = sum / n;
+    (mean, ((squares / n - mean * mean).max(0.0) / n).sqrt())
+}
+
+#[test]
+fn chains_end_and_weigh_as_their_exact_expectation_says() {
+    let (mut renderer, mut config) = two_lamps();
+    config.gather.interleave = 8.into();
+    config.vpls.count = CHAINS;
+    let population = Population::of(&mut renderer, &config);
+    let lit = population.importance.iter().filter(|f| **f > 0.0).count();
+    assert!(lit > 150, "{lit} texels are important");
+    let mean_importance = population.importance.iter().sum::<f64>() / population.len() as f64;
+    for steps in [1, 2, 5, 20] {
+        config.vpls.metropolis_hastings.steps = steps;
+        let (ends, sums) = population.chain(steps);
+        let important = |texel: &usize| population.importance[*texel] > 0.0;
+        for (weights, acceptance) in [
+            (Weights::Mean, Acceptance::Metropolis),
+            (Weights::Single, Acceptance::Metropolis),
+            (Weights::None, Acceptance::Metropolis),
+            (Weights::Mean, Acceptance::Reservoir),
+        ] {
+            (config.vpls.metropolis_hastings.weights, config.vpls.metropolis_hastings.acceptance) = (weights, acceptance);
+            let found = population.weights(&vpls(&mut renderer, &config));
+            let (mean, error) = mean_and_error(found.iter().map(|(_, weight)| *weight), CHAINS as usize);
+            // The integrand is 1 where there is light.
+            let truth = lit as f64 / population.len() as f64;
+            let over = |sum: &dyn Fn(usize) -> f64| (0..population.len()).filter(important).map(sum).sum::<f64>();
+            let expected = match (weights, acceptance) {
+                (Weights::Mean, Acceptance::Metropolis) => over(&|v| sums[v] / (f64::from(steps) * population.importance[v])),
+                (Weights::None, _) => over(&|v| mean_importance * ends[v] / population.importance[v]),
+                _ => truth,
+            };
+            println!("{steps} steps, {weights:?}, {acceptance:?}: {mean:.5} +- {error:.5}, expected {expected:.5} of {truth:.5}");
+            assert!((mean - expected).abs() < 4.0 * error + 1e-6, "{steps} steps, {weights:?}, {acceptance:?}: {mean} of {expected}");
+            let bias = (expected - truth).abs();
+            if weights == Weights::Mean && acceptance == Acceptance::Metropolis && steps == 5 {
+                assert!((mean - truth).abs() > 5.0 * error, "the paper's weight is biased, and this one is not: {mean} of {truth}");
+            }
+            if weights == Weights::None && steps == 1 {
+                assert!(bias > 0.1 * truth, "a common weight is off by {bias}");
+            }
+            if weights == Weights::Mean && acceptance == Acceptance::Metropolis {
+                let mut counts = vec![0; population.len()];
+                found.iter().for_each(|(texel, _)| counts[*texel] += 1);
+                let shares = over(&|v| ends[v]);
+                let shares: Vec<f64> = (0..ends.len()).map(|v| if important(&v) { ends[v] / shares } else { 0.0 }).collect();
+                let off = chi_square(&counts, &shares);
+                println!("{steps} steps: chi square is off by {off:.2} standard deviations");
+                assert!(off < 5.0, "{steps} steps: chi square is off by {off} standard deviations");
+            }
+        }
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn the_inverse_transform_draws_texels_by_their_importance() {
+    let (mut renderer, mut config) = two_lamps();
+    config.vpls.view_importance.defensive = 0.0;
+    config.gather.interleave = 8.into();
+    config.vpls.sampler = VplSampler::InverseTransform;
+    config.vpls.count = CHAINS;
+    let population = Population::of(&mut renderer, &config);
+    let total: f64 = population.importance.iter().sum();
+    let shares: Vec<f64> = population.importance.iter().map(|f| f / total).collect();
+    assert!(shares.iter().any(|share| *share == 0.0), "some texels are not important");
+    for (dimensions, numbers) in [(3, Numbers::Random), (2, Numbers::Random), (3, Numbers::Halton), (2, Numbers::ShiftedHalton)] {
+        config.vpls.inverse_transform.dimensions = dimensions;
+        config.vpls.numbers = numbers;
+        let found = population.weights(&vpls(&mut renderer, &config));
+        assert_eq!(found.len(), CHAINS as usize, "{dimensions} numbers: none is drawn that has no importance");
+        let mut counts = vec![0; population.len()];
+        for (texel, weight) in found {
+            assert!(population.importance[texel] > 0.0, "{dimensions} numbers: texel {texel} has no importance");
+            let expected = total / population.len() as f64 / population.importance[texel];
+            assert!((weight / expected - 1.0).abs() < 1e-4, "texel {texel} weighs {weight}, not {expected}");
+            counts[texel] += 1;
+        }
+        let off = chi_square(&counts, &shares);
+        println!("{dimensions} numbers, {numbers:?}: chi square is off by {off:.2} standard deviations");
+        assert!(off < 5.0, "{dimensions} numbers, {numbers:?}: chi square is off by {off} standard deviations");
+        let half = population.len() / 2;
+        let of_first = |numbers: &mut dyn Iterator<Item = f64>| numbers.take(half).sum::<f64>();
+        let first = of_first(&mut counts.iter().map(|count| *count as f64 / f64::from(CHAINS)));
+        let expected = of_first(&mut shares.iter().copied());
+        let error = (expected * (1.0 - expected) / f64::from(CHAINS)).sqrt();
+        assert!((first - expected).abs() < 3.5 * error, "{dimensions} numbers: a light gets {first}, not {expected}");
+    }
+    finish(renderer.gpu());
+}
+
+/// All that a sampler leaves in the VPLs' buffers.
+fn bytes(rendered: &Rendered) -> [Vec<u8>; 3] {
+    ["vpls/places", "vpls/intensities", "vpls/areas"].map(|name| dumped(rendered, name).to_vec())
+}
+
+#[test]
+fn a_chain_of_one_step_is_uniform_sampling_and_a_map_changes_nothing() {
+    let (mut renderer, mut config) = two_lamps();
+    for (lights, count, size) in [(1, 100, [50, 31]), (2, 1000, [50, 31]), (2, 333, [64, 64])] {
+        config.light = lamps()[..lights].to_vec();
+        (config.vpls.count, config.rsm.size) = (count, size);
+        for numbers in [Numbers::Halton, Numbers::ShiftedHalton, Numbers::Random] {
+            config.vpls.numbers = numbers;
+            let mut uniform = config.clone();
+            (uniform.vpls.sampler, uniform.vpls.importance) = (VplSampler::Uniform, Importance::None);
+            let uniform = bytes(&vpls(&mut renderer, &uniform));
+            for (steps, samples) in [(1, 256), (5, 100), (3, 4097)] {
+                config.vpls.metropolis_hastings.steps = steps;
+                config.vpls.view_importance.samples = samples;
+                for (weights, acceptance) in [
+                    (Weights::Mean, Acceptance::Metropolis),
+                    (Weights::Single, Acceptance::Metropolis),
+                    (Weights::Mean, Acceptance::Reservoir),
+                ] {
+                    (config.vpls.metropolis_hastings.weights, config.vpls.metropolis_hastings.acceptance) = (weights, acceptance);
+                    let [lazily, mapped] = [Evaluate::Proposals, Evaluate::Map].map(|evaluate| {
+                        config.vpls.metropolis_hastings.evaluate = evaluate;
+                        bytes(&vpls(&mut renderer, &config))
+                    });
+                    let what = format!("{lights} lights, {count} VPLs, {numbers:?}, {steps} steps, {weights:?}, {acceptance:?}");
+                    assert!(lazily == mapped, "{what}: the map gives other VPLs");
+                    assert_eq!(lazily == uniform, steps == 1, "{what}");
+                }
+            }
+        }
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn texels_that_are_all_as_important_have_the_weight_of_uniform_sampling() {
+    let (mut renderer, mut config) = two_lamps();
+    let population = Population::of(&mut renderer, &config);
+    config.vpls.importance = Importance::None;
+    config.vpls.count = 4096;
+    config.gather.interleave = 4.into();
+    for sampler in [VplSampler::InverseTransform, VplSampler::MetropolisHastings] {
+        config.vpls.sampler = sampler;
+        for weights in [Weights::Mean, Weights::Single, Weights::None] {
+            config.vpls.metropolis_hastings.weights = weights;
+            for (_, weight) in population.weights(&vpls(&mut renderer, &config)) {
+                assert!((weight - 1.0).abs() < 1e-4, "{sampler:?}, {weights:?}: a weight is {weight}");
+            }
+        }
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn the_mean_of_seeds_is_the_light_of_all_texels() {
+    const SEEDS: u32 = 256;
+    let (mut renderer, mut config) = two_lamps();
+    config.vpls.count = 64;
+    let mut every = config.clone();
+    (every.vpls.sampler, every.vpls.importance) = (VplSampler::EveryTexel, Importance::None);
+    let luminance = |pixels: Vec<Vec3>| -> Vec<f64> { pixels.iter().map(|c| f64::from(c.x + c.y + c.z)).collect() };
+    let truth = luminance(irradiance(&mut renderer, &every));
+    let of_truth = truth.iter().sum::<f64>();
+    for (sampler, importance, numbers, weights, acceptance, dimensions) in [
+        (VplSampler::Uniform, Importance::None, Numbers::Random, Weights::Mean, Acceptance::Metropolis, 3),
+        (VplSampler::InverseTransform, Importance::View, Numbers::Random, Weights::Mean, Acceptance::Metropolis, 3),
+        (VplSampler::InverseTransform, Importance::View, Numbers::ShiftedHalton, Weights::Mean, Acceptance::Metropolis, 2),
+        (VplSampler::MetropolisHastings, Importance::View, Numbers::Random, Weights::Single, Acceptance::Metropolis, 3),
+        (VplSampler::MetropolisHastings, Importance::View, Numbers::ShiftedHalton, Weights::Mean, Acceptance::Reservoir, 3),
+        (VplSampler::MetropolisHastings, Importance::View, Numbers::Random, Weights::Mean, Acceptance::Reservoir, 3),
+        (VplSampler::Hammersley, Importance::View, Numbers::Halton, Weights::Mean, Acceptance::Metropolis, 3),
+        (VplSampler::Regular, Importance::View, Numbers::Halton, Weights::Mean, Acceptance::Metropolis, 3),
+        (VplSampler::Hammersley, Importance::None, Numbers::Halton, Weights::Mean, Acceptance::Metropolis, 3),
+        (VplSampler::Regular, Importance::None, Numbers::Halton, Weights::Mean, Acceptance::Metropolis, 3),
+    ] {
+        (config.vpls.sampler, config.vpls.importance, config.vpls.numbers) = (sampler, importance, numbers);
+        (config.vpls.metropolis_hastings.weights, config.vpls.metropolis_hastings.acceptance) = (weights, acceptance);
+        config.vpls.inverse_transform.dimensions = dimensions;
+        let mut sums = vec![[0.0; 2]; truth.len()];
+        let mut energies = Vec::new();
+        for seed in 0..SEEDS {
+            config.frame.seed = seed;
+            let pixels = luminance(irradiance(&mut renderer, &config));
+            sums.iter_mut().zip(&pixels).for_each(|(sum, x)| *sum = [sum[0] + x, sum[1] + x * x]);
+            energies.push(pixels.iter().sum::<f64>() / of_truth);
+        }
+        let (energy, error) = mean_and_error(energies.iter().copied(), energies.len());
+        let n = f64::from(SEEDS);
+        let within = |(sum, truth): (&[f64; 2], &f64)| {
+            let mean = sum[0] / n;
+            // Halves have 11 bits.
+            (mean - truth).abs() < 3.0 * ((sum[1] / n - mean * mean).max(0.0) / n).sqrt() + truth * 5e-4
+        };
+        let share = sums.iter().zip(&truth).filter(|pair| within(*pair)).count() as f64 / truth.len() as f64;
+        let what = format!("{sampler:?}, {importance:?}, {numbers:?}, {weights:?}, {acceptance:?}, {dimensions}");
+        println!("{what}: energy {energy:.4} +- {error:.4}, {:.1} % of the pixels", share * 100.0);
+        assert!((energy - 1.0).abs() < 3.0 * error + 2e-3, "{what}: the energy is {energy} +- {error}");
+        assert!(share >= 0.98, "{what}: only {share} of the pixels are within three standard errors");
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn glossy_vpls_and_receivers_are_chosen_by_what_they_reflect() {
+    let (mut renderer, mut config) = two_lamps();
+    config.materials.dielectric = Dielectric::Ggx;
+    config.gather.method = GatherMethod::Stochastic;
+    config.gather.stochastic.receiver = manylight::config::Receiver::Ggx;
+    config.gather.stochastic.delta = 1e-6;
+    config.vpls.count = 64;
+    config.vpls.metropolis_hastings.acceptance = Acceptance::Reservoir;
+    let mean = |renderer: &mut Renderer, config: &Config| {
+        let picture = picture(renderer, config);
+        (0..384).map(|i| f64::from(picture.indirect.at(i)[1])).sum::<f64>() / 384.0
+    };
+    for reflection in [Reflection::Glossy, Reflection::Both] {
+        config.vpls.reflection = reflection;
+        let mut every = config.clone();
+        (every.vpls.sampler, every.vpls.importance) = (VplSampler::EveryTexel, Importance::None);
+        let truth = mean(&mut renderer, &every);
+        for sampler in [VplSampler::MetropolisHastings, VplSampler::InverseTransform] {
+            config.vpls.sampler = sampler;
+            let energies: Vec<f64> = (0..128)
+                .map(|seed| {
+                    config.frame.seed = seed;
+                    mean(&mut renderer, &config) / truth
+                })
+                .collect();
+            let (energy, error) = mean_and_error(energies.iter().copied(), energies.len());
+            println!("{reflection:?}, {sampler:?}: energy {energy:.4} +- {error:.4}");
+            assert!((energy - 1.0).abs() < 3.5 * error + 2e-3, "{reflection:?}, {sampler:?}: the energy is {energy} +- {error}");
+            assert!(error < 0.05, "{reflection:?}, {sampler:?}: the standard error of the energy is {error}");
+        }
+        config.frame.seed = 0;
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn a_view_that_finds_nothing_important_takes_all_texels_alike() {
+    let (mut renderer, mut config) = two_lamps();
+    config.vpls.view_importance.defensive = 0.0;
+    config.rsm.size = [32, 32];
+    config.vpls.count = 500;
+    // Away from the box.
+    let camera = config.camera.as_mut().unwrap();
+    (camera.position, camera.target) = (Some([0.0, 0.0, 50.0]), Some([0.0, 0.0, 100.0]));
+    for (sampler, weights) in [
+        (VplSampler::InverseTransform, Weights::Mean),
+        (VplSampler::MetropolisHastings, Weights::Mean),
+        (VplSampler::MetropolisHastings, Weights::Single),
+        (VplSampler::MetropolisHastings, Weights::None),
+        (VplSampler::Hammersley, Weights::Mean),
+        (VplSampler::Regular, Weights::Mean),
+    ] {
+        (config.vpls.sampler, config.vpls.metropolis_hastings.weights) = (sampler, weights);
+        for defensive in [0.0, 0.1] {
+            config.vpls.view_importance.defensive = defensive;
+            let rendered = vpls(&mut renderer, &config);
+            let areas: Vec<f32> = pod(&rendered, "vpls/areas");
+            assert!(areas.iter().all(|area| area.is_finite() && *area >= 0.0), "{sampler:?}, {weights:?}: {areas:?}");
+            let lit = count(&rendered, "vpls/lit");
+            let none = weights == Weights::None && defensive == 0.0;
+            assert_eq!(lit > 200, !none, "{sampler:?}, {weights:?}, {defensive}: {lit} VPLs are lit");
+        }
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn a_seed_moves_the_vpls_of_every_sampler_that_leaves_any_out() {
+    let (mut renderer, mut config) = two_lamps();
+    config.rsm.size = [64, 64];
+    config.vpls.count = 100;
+    for name in manylight::config::choices("vpls.sampler") {
+        config.vpls.sampler = serde_json::from_value(name.into()).unwrap();
+        if config.vpls.sampler == VplSampler::EveryTexel {
+            continue;
+        }
+        for numbers in [Numbers::Halton, Numbers::ShiftedHalton, Numbers::Random] {
+            (config.vpls.importance, config.vpls.numbers) = (Importance::None, numbers);
+            let mut with = |seed| {
+                config.frame.seed = seed;
+                bytes(&vpls(&mut renderer, &config))
+            };
+            let [first, second, again, far] = [1, 2, 1, u32::MAX].map(&mut with);
+            assert!(first == again, "{name}, {numbers:?}: a seed has other VPLs the second time");
+            assert!(first != second && first != far, "{name}, {numbers:?}: seeds have the same VPLs");
+        }
+    }
+    finish(renderer.gpu());
+}
