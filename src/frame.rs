@@ -37,6 +37,6 @@ pub fn frame(g: &mut Graph, world: &World, residents: &Residents, shot: &Shot, c
     let indirect = filter::smooth(g, &gbuffer, indirect, &config.filter);
     let visible = ssao::occlusion(g, &gbuffer, &config.ssao);
     let direct = direct::shade(g, around, &config.direct);
-    let composed = compose::sum(g, &gbuffer, direct, indirect, visible, shot.lighting.environment, &config.compose);
+    let composed = compose::sum(g, &gbuffer, direct, indirect, visible, &vpls, shot.lighting.environment, &config.compose);
     Frame { gbuffer, irradiance: indirect.irradiance, direct, composed }
 }

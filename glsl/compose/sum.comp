@@ -29,6 +29,7 @@ layout(rgba16f) writeonly uniform image2D radiance;
 layout(rgba8) writeonly uniform image2D image;
 
 #include "part/occlusion=compose/occlusion-none"
+#include "part/shown=compose/shown-picture"
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -42,5 +43,5 @@ void main() {
     if (REINHARD) shown = reinhard(shown);
     imageStore(indirect, pixel, vec4(surface ? min(reflected, LARGEST_HALF) : vec3(0.0), 1.0));
     imageStore(radiance, pixel, vec4(min(sum, LARGEST_HALF), surface ? 1.0 : 0.0));
-    imageStore(image, pixel, vec4(linear_to_srgb(clamp(shown, 0.0, 1.0)), 1.0));
+    imageStore(image, pixel, vec4(displayed(pixel, linear_to_srgb(clamp(shown, 0.0, 1.0)), reflected), 1.0));
 }

@@ -15,11 +15,12 @@ pub struct ComposeConfig {
     #[schemars(with = "Color")]
     pub background: [f32; 3],
     pub tonemap: Tonemap,
+    pub show: Show,
 }
 
 impl Default for ComposeConfig {
     fn default() -> Self {
-        Self { exposure: 1.0, background: [0.0; 3], tonemap: Tonemap::Reinhard }
+        Self { exposure: 1.0, background: [0.0; 3], tonemap: Tonemap::Reinhard, show: Show::Picture }
     }
 }
 
@@ -32,4 +33,17 @@ pub enum Tonemap {
     Reinhard,
     /// Clamped.
     None,
+}
+
+/// What `image.png` shows.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Show {
+    /// The picture.
+    #[default]
+    Picture,
+    /// The indirect light's intensity in false colour, from blue to red.
+    Indirect,
+    /// The VPLs of the first bounce over the darkened picture, in false colour by their radiant intensity.
+    Vpls,
 }

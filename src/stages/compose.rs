@@ -3,9 +3,10 @@
 use super::gather::Indirect;
 use super::gbuffer::GBuffer;
 use super::methods::{Method, NOTHING};
-use crate::config::{ComposeConfig, Tonemap};
+use super::vpls::Vpls;
+use crate::config::{ComposeConfig, Show, Tonemap};
 use crate::gpu::Format;
-use crate::graph::{Graph, Image};
+use crate::graph::{Buffer, Graph, Image};
 use crate::shader_struct;
 use glam::Vec3;
 
@@ -14,6 +15,11 @@ shader_struct! {
         environment: [f32; 3],
         exposure: f32,
         background: [f32; 3],
+    }
+
+    struct MarksParams {
+        count: u32,
+        radius: i32,
     }
 }
 
@@ -34,13 +40,14 @@ pub fn method() -> Method {
 }
 
 /// Sums direct, indirect and emitted radiance. The indirect part is multiplied by `visible` if there is such an image; pixels without a
-/// surface show `environment`, a radiance.
+/// surface show `environment`, a radiance. The config may have the image show the indirect light or `vpls` instead.
 pub fn sum(
     g: &mut Graph,
     gbuffer: &GBuffer,
     direct: Image,
     light: Indirect,
     visible: Option<Image>,
+    vpls: &Vpls,
     environment: Vec3,
     config: &ComposeConfig,
 ) -> Composed {
@@ -49,7 +56,13 @@ pub fn sum(
         radiance: g.image("compose/radiance", Format::Rgba16Float, gbuffer.size),
         image: g.image("compose/image", Format::Rgba8Unorm, gbuffer.size),
     };
+    let marks = (config.show == Show::Vpls).then(|| marks(g, gbuffer, vpls));
     let pass = g.compute("compose/sum");
+    let pass = match (config.show, marks) {
+        (Show::Indirect, _) => pass.part("shown", "compose/shown-indirect"),
+        (Show::Vpls, Some(marks)) => pass.part("shown", "compose/shown-vpls").reads("marks", marks).reads("intensities", vpls.intensities),
+        _ => pass,
+    };
     let pass = match visible {
         None => pass,
         Some(visible) => pass.part("occlusion", "compose/occlusion-seen").reads("visible", visible),
@@ -71,4 +84,19 @@ pub fn sum(
         .params(&SumParams { environment: environment.into(), exposure: config.exposure, background: config.background })
         .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
     composed
+}
+
+/// Number, plus 1, of the VPL that each pixel is near to; 0 where there is none.
+fn marks(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls) -> Buffer {
+    let [width, height] = gbuffer.size;
+    let marks = g.zeroed::<u32>("compose/marks", width * height);
+    g.compute("compose/marks")
+        .reads("view", gbuffer.view)
+        .reads("depth", gbuffer.depth)
+        .reads("places", vpls.places)
+        .reads("areas", vpls.areas)
+        .updates("marks", marks)
+        .params(&MarksParams { count: vpls.count, radius: (height / 180).max(1) as i32 })
+        .dispatch([vpls.count, 1, 1]);
+    marks
 }
