@@ -51,6 +51,8 @@ pub struct Table {
 /// A row or a column.
 pub struct Line {
     pub name: String,
+    /// Name in the file: that of the stand-in where another scene has replaced it. Published figures go by it.
+    pub written: String,
     /// Settings of its cells, over the table's.
     set: Option<Node>,
     measure: Option<Measure>,

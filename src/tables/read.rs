@@ -143,8 +143,9 @@ fn lines<'n>(
         let path = format!("{key}.{i}");
         let tree = section(item, &path, &["name", "set", "instead_of", "measure", "own"])?;
         let Some(name) = tree.get("name") else { return Err(error(&item.origin, &path, "needs a name")) };
-        let mut text = text_of(name, &join(&path, "name"))?.to_owned();
-        if lines.iter().any(|(line, _)| line.name == text) {
+        let written = text_of(name, &join(&path, "name"))?.to_owned();
+        let mut text = written.clone();
+        if lines.iter().any(|(line, _)| line.written == text) {
             return Err(error(&name.origin, &join(&path, "name"), format_args!("{} is there twice", quoted(&text))));
         }
         let own = match tree.get("own") {
@@ -161,7 +162,7 @@ fn lines<'n>(
                 Err(absent) => stand_ins.push(absent),
             }
         }
-        lines.push((Line { name: text, set, measure: None, own, origin: item.origin.clone() }, tree.get("measure")));
+        lines.push((Line { name: text, written, set, measure: None, own, origin: item.origin.clone() }, tree.get("measure")));
     }
     if lines.is_empty() {
         return Err(error(&node.origin, key, "is empty"));
@@ -226,15 +227,15 @@ fn published(node: &Node, rows: &[Line], columns: &[Line]) -> Result<Published> 
         return Err(error(&node.origin, "published", "needs figures: a list for each row, a figure for each column"));
     };
     let path = "published.figures";
-    let names: Vec<&str> = rows.iter().filter(|row| !row.own).map(|row| row.name.as_str()).collect();
+    let names: Vec<&str> = rows.iter().filter(|row| !row.own).map(|row| row.written.as_str()).collect();
     let by_row = section(node, path, &names)?;
     let wanted: Vec<&Line> = columns.iter().filter(|column| !column.own).collect();
     let mut figures = vec![vec![None; columns.len()]; rows.len()];
     for (row, line) in rows.iter().enumerate().filter(|(_, line)| !line.own) {
-        let Some(list) = by_row.get(&line.name) else {
-            return Err(error(&node.origin, &join(path, &line.name), "is missing; a row that is not in the paper says own = true"));
+        let Some(list) = by_row.get(&line.written) else {
+            return Err(error(&node.origin, &join(path, &line.written), "is missing; a row that is not in the paper says own = true"));
         };
-        let path = join(path, &line.name);
+        let path = join(path, &line.written);
         let values = items(list, &path)?;
         if values.len() != wanted.len() {
             let message = format_args!(
