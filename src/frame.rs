@@ -8,7 +8,7 @@ use crate::stages::gbuffer::GBuffer;
 use crate::stages::residents::Residents;
 use crate::stages::surroundings::Surroundings;
 use crate::stages::wants::Wants;
-use crate::stages::{bounce, compose, direct, filter, gather, gbuffer, rsm, ssao, visibility, vpls};
+use crate::stages::{bounce, compose, deform, direct, filter, gather, gbuffer, rsm, ssao, visibility, vpls};
 use crate::world::{Shot, World};
 
 /// Resources that a frame makes.
@@ -27,6 +27,7 @@ pub fn frame(g: &mut Graph, world: &World, residents: &Residents, shot: &Shot, c
     let wants = Wants::of(config, shot.lighting.projectors.len() as u32);
     let (scene, traced) = world.import(g);
     let residents = residents.import(g);
+    let scene = deform::vertices(g, scene, &residents);
     let gbuffer = gbuffer::draw(g, scene, &shot.view);
     let rsm = rsm::draw(g, scene, &shot.lighting.projectors, &wants, &config.rsm);
     let vpls = vpls::sample(g, &rsm, &gbuffer, &wants, &config.vpls);

@@ -129,7 +129,7 @@ impl Renderer {
     /// Makes missing parts of the world and missing residents of the stages for a config.
     fn ensure_for(&mut self, config: &Config) -> Result<()> {
         self.world.ensure(&mut self.engine.gpu, needs(config))?;
-        self.residents.bring(&mut self.engine.gpu, self.world.at_rest(), config)
+        self.residents.bring(&mut self.engine.gpu, &mut self.world, config)
     }
 
     /// Choices that the config leaves to the program, by key, resolved for this device.

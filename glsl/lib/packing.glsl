@@ -26,4 +26,10 @@ vec4 tangent_inverse(uint word) {
     vec2 p = vec2(word & 0x7fffu, (word >> 15) & 0x7fffu) / 32767.0 * 2.0 - 1.0;
     return vec4(octahedral_inverse(p), (word >> 31) != 0u ? -1.0 : 1.0);
 }
+
+// Packed direction of a tangent, whose handedness is positive; it need not be of unit length.
+uint packed_tangent(vec3 v) {
+    uvec2 p = uvec2(round((octahedral(v) * 0.5 + 0.5) * 32767.0));
+    return p.x | p.y << 15;
+}
 #endif

@@ -225,7 +225,7 @@ impl Engine {
         let (mut indices, mut wanted) = (Vec::new(), Vec::new());
         for (index, slot) in graph.slots.iter().enumerate() {
             match (slot.resource, &slot.source) {
-                (_, Source::ImportedBuffer(id)) => {
+                (_, Source::ImportedBuffer(id) | Source::KeptBuffer(id)) => {
                     placed.buffers.insert(index, *id);
                 }
                 (_, Source::ImportedImage(id) | Source::KeptImage(id)) => {

@@ -4,9 +4,10 @@ use super::{Graph, Resource, Source};
 
 impl Graph {
     /// Bytes of each of the frame's own resources by name, in the order of description: texels of all layers, or elements, without the
-    /// device's overhead. Imported resources, such as the scene's, are not the frame's own.
+    /// device's overhead. Imported resources and kept buffers, such as the scene's, are not the frame's own.
     pub fn memory(&self) -> Vec<(String, u64)> {
-        let own = self.slots.iter().filter(|slot| !matches!(slot.source, Source::ImportedBuffer(_) | Source::ImportedImage(_)));
+        let is_own = |source: &Source| !matches!(source, Source::ImportedBuffer(_) | Source::ImportedImage(_) | Source::KeptBuffer(_));
+        let own = self.slots.iter().filter(|slot| is_own(&slot.source));
         own.map(|slot| (slot.name.clone(), self.bytes(slot.resource))).collect()
     }
 

@@ -93,6 +93,7 @@ enum Source {
     ImportedBuffer(BufferId),
     ImportedImage(ImageId),
     /// Outlives the frame; passes may write it.
+    KeptBuffer(BufferId),
     KeptImage(ImageId),
 }
 
@@ -208,6 +209,13 @@ impl Graph {
     pub fn import_buffer<T: ShaderStruct>(&mut self, name: &str, id: BufferId, count: u32) -> Buffer {
         let buffer = Buffer { index: self.slots.len() as u32, count };
         self.add(name, buffer.into(), Some(Element::of::<T>()), Source::ImportedBuffer(id));
+        buffer
+    }
+
+    /// A buffer that outlives the frame and that passes may write; it holds the contents of the frame before.
+    pub fn keep_buffer<T: ShaderStruct>(&mut self, name: &str, id: BufferId, count: u32) -> Buffer {
+        let buffer = Buffer { index: self.slots.len() as u32, count };
+        self.add(name, buffer.into(), Some(Element::of::<T>()), Source::KeptBuffer(id));
         buffer
     }
 

@@ -34,6 +34,11 @@ impl ShaderStruct for [u32; 2] {
     const MEMBERS: &'static [Member] = &[];
 }
 
+impl ShaderStruct for [u32; 4] {
+    const NAME: &'static str = "uvec4";
+    const MEMBERS: &'static [Member] = &[];
+}
+
 impl ShaderStruct for [f32; 2] {
     const NAME: &'static str = "vec2";
     const MEMBERS: &'static [Member] = &[];

@@ -3,6 +3,7 @@
 use super::Settings;
 use crate::config::Config;
 use crate::scene::Scene;
+use crate::scene::bend::Bending;
 
 /// Hash of all parts of a scene that light depends on.
 pub fn scene_digest(scene: &Scene) -> String {
@@ -16,6 +17,10 @@ pub fn scene_digest(scene: &Scene) -> String {
     hasher.update(format!("{rest:?}").as_bytes());
     if let Some(animation) = &scene.animation {
         hasher.update(format!("{animation:?}").as_bytes());
+    }
+    if let Some(Bending { rest, influences, deltas, joints, meshes, pose: _ }) = &scene.bending {
+        hasher.update(bytemuck::cast_slice(rest)).update(bytemuck::cast_slice(influences)).update(bytemuck::cast_slice(deltas));
+        hasher.update(format!("{joints:?} {meshes:?}").as_bytes());
     }
     hasher.finalize().to_hex().to_string()
 }

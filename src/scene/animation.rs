@@ -83,6 +83,11 @@ impl Animation {
         parent * self.local(&node.local, now)
     }
 
+    /// Number of a track of morph target weights, at any time.
+    pub fn number(&self, track: usize, seconds: f64) -> f64 {
+        self.tracks[track].vector(self.within(seconds)).x
+    }
+
     /// Whether anything moves: the period is over 0 and something is attached.
     pub fn moves(&self) -> bool {
         self.duration > 0.0 && !(self.draws.is_empty() && self.lights.is_empty() && self.cameras.is_empty())
@@ -155,8 +160,18 @@ impl Camera {
 impl Scene {
     /// Moves everything animated to its place at a time.
     pub fn set_time(&mut self, seconds: f64) {
-        let Some(animation) = &self.animation else { return };
-        let worlds = animation.worlds(seconds);
+        self.pose(seconds);
+        self.bend();
+    }
+
+    /// Moves everything but the vertices of meshes that bend: [`Scene::bend`] follows, or the device bends them.
+    pub fn pose(&mut self, seconds: f64) {
+        let animation = self.animation.as_ref();
+        let worlds = animation.map(|animation| animation.worlds(seconds)).unwrap_or_default();
+        if let Some(bending) = &mut self.bending {
+            bending.pose = bending.pose_at(animation, &worlds, seconds);
+        }
+        let Some(animation) = animation else { return };
         for hung in &animation.draws {
             self.draws[hung.index].transform = single(worlds[hung.node]);
         }
@@ -188,16 +203,27 @@ impl Scene {
         }
     }
 
-    /// Whether each draw moves.
+    /// Whether each draw moves or bends.
     pub fn moving_draws(&self) -> Vec<bool> {
-        let mut moving = vec![false; self.draws.len()];
+        let bends = |draw: &Draw| self.bending.as_ref().is_some_and(|bending| bending.mesh_of(draw).is_some());
+        let mut moving: Vec<bool> = self.draws.iter().map(bends).collect();
         self.animation.iter().flat_map(|animation| &animation.draws).for_each(|hung| moving[hung.index] = true);
         moving
     }
 
-    /// Bounds of each moving draw over the whole animation, by the draw's index: the union of its own bounds, moved to all
-    /// [`Animation::samples`].
+    /// Bounds of each draw that moves or bends over the whole animation, by the draw's index: the union of its own bounds, moved to
+    /// all [`Animation::samples`].
     pub fn swept_bounds(&self) -> Vec<(usize, Aabb)> {
+        let mut swept = self.moved_bounds();
+        if let Some(bending) = &self.bending {
+            swept.retain(|(index, _)| bending.mesh_of(&self.draws[*index]).is_none());
+            swept.extend(self.bent_bounds());
+        }
+        swept
+    }
+
+    /// Bounds of the draws that move over the whole animation, as if no mesh bent.
+    fn moved_bounds(&self) -> Vec<(usize, Aabb)> {
         let Some(animation) = &self.animation else { return Vec::new() };
         let own = |hung: &Hung| self.draw_bounds(&Draw { transform: Affine3A::IDENTITY, ..self.draws[hung.index].clone() });
         let own: Vec<Aabb> = animation.draws.iter().map(own).collect();

@@ -5,6 +5,7 @@
 //! light is in the radiometric units of the README.
 
 pub mod animation;
+pub mod bend;
 pub mod builder;
 pub mod builtin;
 pub mod gltf;
@@ -50,6 +51,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// The animation, if there is one. The other fields hold the scene at one time: [`Scene::set_time`].
     pub animation: Option<animation::Animation>,
+    /// Meshes that bend, if there are any.
+    pub bending: Option<bend::Bending>,
 }
 
 /// A range of triangles with one material and one transform. Several draws may share a range (instances).
@@ -241,8 +244,8 @@ impl Scene {
         self.indices[range].iter().map(move |&i| &self.vertices[(offset + i) as usize])
     }
 
-    /// World-space bounds of all draws. Moving draws count with their bounds over the whole animation
-    /// ([`Scene::swept_bounds`]), so that sizes derived from the bounds do not jitter.
+    /// World-space bounds of all draws. Draws that move or bend count with their bounds over the whole
+    /// animation ([`Scene::swept_bounds`]), so that sizes derived from the bounds do not jitter.
     pub fn bounds(&self) -> Aabb {
         let moving = self.moving_draws();
         let still = self.draws.iter().zip(moving).filter(|(_, moves)| !moves).map(|(draw, _)| self.draw_bounds(draw));

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, HashMap};
 
 impl Scene {
     /// Splits triangles until no edge is longer than `part` (over 0) of the scene's diagonal. Edges are halved. Whether an edge
-    /// is split depends on it alone, so that neighbours stay neighbours.
+    /// is split depends on it alone, so that neighbours stay neighbours. Meshes that bend are not split.
     pub fn split_triangles(&mut self, part: f32) {
         let longest = part * self.bounds().size().length();
         assert!(part > 0.0, "edges cannot be shorter than nothing");
@@ -21,7 +21,10 @@ impl Scene {
             let (first, count, offset) = range;
             let triangles = &self.indices[first as usize..(first + count) as usize];
             let begin = indices.len() as u32;
-            split(&mut self.vertices, offset, triangles, &transforms, longest, &mut indices);
+            match &self.bending {
+                Some(bending) if bending.has(offset) => indices.extend(triangles),
+                _ => split(&mut self.vertices, offset, triangles, &transforms, longest, &mut indices),
+            }
             moved.insert(range, (begin, indices.len() as u32 - begin));
         }
         self.indices = indices;

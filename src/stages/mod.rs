@@ -4,6 +4,7 @@
 
 pub mod bounce;
 pub mod compose;
+pub mod deform;
 pub mod direct;
 pub mod facts;
 pub mod filter;
@@ -32,7 +33,7 @@ use std::collections::BTreeMap;
 /// All methods of all slots, in the frame's order.
 pub fn methods() -> Vec<Method> {
     [
-        vec![gbuffer::method(), rsm::method()],
+        vec![deform::method(), gbuffer::method(), rsm::method()],
         Method::every::<VplSampler>(),
         Method::every::<Importance>(),
         Method::every::<Layers>(),

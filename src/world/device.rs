@@ -4,9 +4,11 @@
 //! constants and maps bound once and the shader specialised to its features. Constants and maps are thus uniform in the shader, which saves
 //! a fifth of a map's time on a software driver.
 
+use super::bent::{DeviceBending, FrameBending};
 use crate::fail;
 use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, VertexLayout, Wrapping};
 use crate::graph::{Buffer, DrawList, Graph, ListBlock, Member, ShaderStruct};
+use crate::scene::bend::Reach;
 use crate::scene::{Aabb, Draw, Filter, Map, Material, Scene, Vertex, Wrap};
 use crate::{shader_struct, vertex_layout};
 use anyhow::Result;
@@ -125,8 +127,15 @@ struct Bucket {
 struct PlacedDraw {
     arguments: DrawArguments,
     bounds: Aabb,
-    /// Object-space bounds if it moves; `bounds` is then the box around the transformed one.
-    own_bounds: Option<Aabb>,
+    motion: Motion,
+}
+
+/// How a part's bounds follow the scene.
+enum Motion {
+    Still,
+    /// Object-space bounds; the part's bounds are the box around the transformed one.
+    Moves(Aabb),
+    Bends(Reach),
 }
 
 /// Transforms and materials of the draws.
@@ -152,6 +161,7 @@ pub struct DeviceScene {
     /// A white texel, bound in place of missing maps.
     blank: ImageId,
     buckets: Vec<Bucket>,
+    bending: Option<DeviceBending>,
 }
 
 /// All of a scene, in parts that a pass can cull.
@@ -174,6 +184,8 @@ pub struct FrameScene<'f> {
     pub vertices: Buffer,
     /// Indices, three a triangle.
     pub indices: Buffer,
+    /// Meshes that bend.
+    pub bending: Option<FrameBending>,
 }
 
 impl DeviceScene {
@@ -210,6 +222,7 @@ impl DeviceScene {
             Some(_) => Draws::Moving(data),
         };
         let (buckets, bounds) = fill_buckets(scene, &places);
+        let bending = scene.bending.as_ref().map(|bending| DeviceBending::upload(gpu, scene, bending)).transpose()?;
         Ok(Self {
             bounds: if scene.animation.is_some() { scene.bounds() } else { bounds },
             triangles: scene.triangle_count(),
@@ -221,17 +234,24 @@ impl DeviceScene {
             arrays,
             blank: gpu.create_texture_array("scene/blank", Format::Rgba8Unorm, [1, 1], &[&[255; 4]])?,
             buckets,
+            bending,
         })
     }
 
-    /// Copies the draws' transforms from the host's scene, whose time was set ([`Scene::set_time`]).
+    /// Copies the draws' transforms and the pose from the host's scene, whose time was set ([`Scene::pose`]).
     pub fn follow(&mut self, scene: &Scene) {
         let Draws::Moving(draws) = &mut self.draws else { return };
         *draws = draw_data(scene);
         for draw in self.buckets.iter_mut().flat_map(|bucket| &mut bucket.draws) {
-            if let Some(own) = draw.own_bounds {
-                draw.bounds = own.transformed(&scene.draws[draw.arguments.first_instance as usize].transform);
+            let transform = &scene.draws[draw.arguments.first_instance as usize].transform;
+            match (&draw.motion, &scene.bending) {
+                (Motion::Moves(own), _) => draw.bounds = own.transformed(transform),
+                (Motion::Bends(reach), Some(bending)) => draw.bounds = reach.bounds(&bending.pose, transform),
+                _ => {}
             }
+        }
+        if let (Some(device), Some(bending)) = (&mut self.bending, &scene.bending) {
+            device.follow(&bending.pose);
         }
     }
 
@@ -241,10 +261,15 @@ impl DeviceScene {
             Draws::Still(id, count) => g.import_buffer::<DrawData>("scene/draws", *id, *count),
             Draws::Moving(draws) => g.upload("scene/draws", draws),
         };
+        let (id, count) = self.vertices;
         FrameScene {
             scene: self,
             draws,
-            vertices: g.import_buffer::<Vertex>("scene/vertices", self.vertices.0, self.vertices.1),
+            vertices: match self.bending {
+                Some(_) => g.keep_buffer::<Vertex>("scene/vertices", id, count),
+                None => g.import_buffer::<Vertex>("scene/vertices", id, count),
+            },
+            bending: self.bending.as_ref().map(|bending| bending.import(g)),
             indices: g.import_buffer::<u32>("scene/indices", self.indices.0, self.indices.1),
         }
     }
@@ -439,19 +464,20 @@ fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
             (parts, bounds, colored(draw))
         })
         .collect();
+    let all = facts.iter().flat_map(|(_, bounds, _)| bounds).fold(Aabb::EMPTY, |all, (bounds, _)| all.union(*bounds));
     let mut buckets: BTreeMap<BucketKey, Vec<PlacedDraw>> = BTreeMap::new();
-    for (number, (draw, (parts, bounds, colored))) in scene.draws.iter().zip(&facts).enumerate() {
+    for (number, (draw, (parts, bounds, colored))) in scene.draws.iter().zip(facts).enumerate() {
         let material = &scene.materials[draw.material as usize];
         let key = BucketKey {
             material: draw.material,
             masked: material.alpha_cutoff.is_some(),
             double_sided: material.double_sided,
-            colored: *colored,
+            colored,
             maps: maps(material).map(|map| {
                 map.map(|map| MapKey { array: places[map.texture as usize].0, u: map.wrap_u, v: map.wrap_v, filter: map.filter })
             }),
         };
-        let place = |(part, (bounds, own_bounds)): (&Draw, &PartBounds)| {
+        let place = |(part, (bounds, motion)): (&Draw, PartBounds)| {
             let arguments = DrawArguments {
                 index_count: part.index_count,
                 instance_count: 1,
@@ -459,23 +485,25 @@ fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
                 vertex_offset: part.vertex_offset as i32,
                 first_instance: number as u32,
             };
-            PlacedDraw { arguments, bounds: *bounds, own_bounds: *own_bounds }
+            PlacedDraw { arguments, bounds, motion }
         };
         buckets.entry(key).or_default().extend(parts.iter().zip(bounds).map(place));
     }
-    let all = facts.iter().flat_map(|(_, bounds, _)| bounds).fold(Aabb::EMPTY, |all, (bounds, _)| all.union(*bounds));
     (buckets.into_iter().map(|(key, draws)| Bucket { key, draws }).collect(), all)
 }
 
-/// World-space bounds of a part and, if it moves, its object-space bounds.
-type PartBounds = (Aabb, Option<Aabb>);
+/// World-space bounds of a part, and how they follow the scene.
+type PartBounds = (Aabb, Motion);
 
 fn part_bounds(scene: &Scene, part: &Draw, moves: bool) -> PartBounds {
     if !moves {
-        return (scene.draw_bounds(part), None);
+        return (scene.draw_bounds(part), Motion::Still);
+    }
+    if let (Some(reach), Some(bending)) = (scene.reach(part), &scene.bending) {
+        return (reach.bounds(&bending.pose, &part.transform), Motion::Bends(reach));
     }
     let own = scene.draw_bounds(&Draw { transform: Affine3A::IDENTITY, ..part.clone() });
-    (own.transformed(&part.transform), Some(own))
+    (own.transformed(&part.transform), Motion::Moves(own))
 }
 
 /// Splits a draw into pieces small enough for culling and sorting. Files mostly list neighbours together.

@@ -1,5 +1,6 @@
 //! The scene at a frame's time: on the device, animated, with views and lights.
 
+pub mod bent;
 pub mod bvh;
 pub mod device;
 pub mod device_bvh;
@@ -7,6 +8,7 @@ pub mod projection;
 pub mod shot;
 pub mod traced;
 pub mod view;
+mod word_image;
 
 use crate::gpu::Gpu;
 use crate::graph::Graph;
@@ -91,7 +93,8 @@ impl World {
         if needs.rays {
             self.set_time_of_rays(gpu, seconds)?;
         }
-        self.scene.set_time(seconds);
+        // The device bends the vertices itself.
+        self.scene.pose(seconds);
         self.device.follow(&self.scene);
         Ok(())
     }

@@ -5,7 +5,8 @@
 //! limits a storage buffer to 128 MiB, and loads it word by word where an image gives four words at once.
 
 use super::bvh::Bvh;
-use super::device_bvh::{BvhHandles, DeviceBvh, WordImage};
+use super::device_bvh::{BvhHandles, DeviceBvh};
+use super::word_image::WordImage;
 use crate::color::{luminance, srgb_to_linear};
 use crate::fail;
 use crate::gpu::{Format, Gpu, ImageId};

@@ -11,7 +11,7 @@ use std::fmt;
 /// Limit of elements of an accessor without a buffer view. It is all zeros, and no bytes of the file bound its count.
 const MAX_ZEROS: u64 = 1 << 20;
 
-/// Use of an accessor: a vertex attribute, or a property of animation keys.
+/// Use of an accessor: a vertex attribute, a property of animation keys, or matrices of a skin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Attribute {
     Position,
@@ -19,10 +19,14 @@ pub enum Attribute {
     Tangent,
     TexCoord(u32),
     Color,
+    Joints(u32),
+    Weights(u32),
     Time,
     Translation,
     Rotation,
     Scale,
+    MorphWeights,
+    InverseBind,
 }
 
 impl fmt::Display for Attribute {
@@ -33,19 +37,30 @@ impl fmt::Display for Attribute {
             Self::Tangent => f.write_str("TANGENT"),
             Self::TexCoord(set) => write!(f, "TEXCOORD_{set}"),
             Self::Color => f.write_str("COLOR_0"),
+            Self::Joints(set) => write!(f, "JOINTS_{set}"),
+            Self::Weights(set) => write!(f, "WEIGHTS_{set}"),
             Self::Time => f.write_str("time"),
             Self::Translation => f.write_str("translation"),
             Self::Rotation => f.write_str("rotation"),
             Self::Scale => f.write_str("scale"),
+            Self::MorphWeights => f.write_str("weights"),
+            Self::InverseBind => f.write_str("inverseBindMatrices"),
         }
     }
 }
 
 impl Attribute {
+    /// Whether KHR_mesh_quantization allows more of the attribute.
+    fn may_be_quantized(self) -> bool {
+        matches!(self, Self::Position | Self::Normal | Self::Tangent | Self::TexCoord(_) | Self::Color)
+    }
+
     /// Whether the attribute may have this component type, by glTF 2.0 or KHR_mesh_quantization.
     fn allows(self, component: ComponentType, normalized: bool, quantized: bool) -> bool {
         use ComponentType::{F32, I8, I16, U8, U16, U32};
         match (self, component) {
+            (Self::Joints(_), U8 | U16) => !normalized,
+            (Self::Joints(_), _) => false,
             (_, F32) => !normalized,
             (_, U32) => false,
             (Self::Position, _) => quantized,
@@ -53,10 +68,10 @@ impl Attribute {
             (Self::Normal | Self::Tangent, _) => false,
             (Self::TexCoord(_), U8 | U16) => normalized || quantized,
             (Self::TexCoord(_), _) => quantized,
-            (Self::Color, U8 | U16) => normalized,
-            (Self::Color, _) => false,
-            (Self::Rotation, _) => normalized,
-            (Self::Time | Self::Translation | Self::Scale, _) => false,
+            (Self::Color | Self::Weights(_), U8 | U16) => normalized,
+            (Self::Color | Self::Weights(_), _) => false,
+            (Self::Rotation | Self::MorphWeights, _) => normalized,
+            (Self::Time | Self::Translation | Self::Scale | Self::InverseBind, _) => false,
         }
     }
 }
@@ -111,13 +126,13 @@ impl File<'_> {
             let rgb: Vec<[f32; 3]> = self.read_floats(index, attribute)?;
             return Ok(rgb.into_iter().map(|c| std::array::from_fn(|i| c.get(i).copied().unwrap_or(1.0))).collect());
         }
-        if matches!(kind, Type::Mat2 | Type::Mat3 | Type::Mat4) || dimensions(kind) != N {
+        let is_matrix = matches!(kind, Type::Mat2 | Type::Mat3 | Type::Mat4);
+        if is_matrix != (attribute == Attribute::InverseBind) || dimensions(kind) != N {
             refuse!("its type is {kind:?}, which {attribute} cannot be");
         }
         if !attribute.allows(component, accessor.normalized, self.quantized) {
             let normalized = if accessor.normalized { "normalized " } else { "" };
-            let of_keys = matches!(attribute, Attribute::Time | Attribute::Translation | Attribute::Rotation | Attribute::Scale);
-            let hint = if of_keys { "" } else { " (integers may need KHR_mesh_quantization)" };
+            let hint = if attribute.may_be_quantized() { " (integers may need KHR_mesh_quantization)" } else { "" };
             refuse!("its components are {normalized}{component:?}, which {attribute} cannot be{hint}");
         }
         let normalized = accessor.normalized;

@@ -8,7 +8,7 @@ use crate::scene::track::{Course, Track};
 use anyhow::{Context, Result};
 use gltf_json::animation::{Animation, Channel, Interpolation, Property, Sampler};
 use gltf_json::validation::Checked;
-use gltf_json::{Index, Node};
+use gltf_json::{Index, Mesh, Node};
 use std::collections::HashMap;
 
 /// Limit of an animation's keys: a small file in which many samplers share accessors would fill the memory with tracks.
@@ -24,6 +24,8 @@ pub struct Played {
     pub tracks: Vec<Track>,
     /// Animated nodes, by index.
     pub nodes: HashMap<usize, Moved>,
+    /// Tracks of the weights of nodes' morph targets, by the node's index: one a target.
+    pub weights: HashMap<usize, Vec<usize>>,
 }
 
 /// Tracks of a node's properties.
@@ -40,13 +42,14 @@ pub fn read(file: &File<'_>, choice: &AnimationChoice, warnings: &mut Warnings) 
     let animation = &file.root.animations[index];
     let label = label("animation", index, animation.name.as_ref());
     let name = animation.name.clone().unwrap_or_else(|| label.clone());
-    let mut reader = Reader { file, animation, tracks: Vec::new(), known: HashMap::new(), nodes: HashMap::new(), keys: 0 };
+    let (known, nodes, weights) = (HashMap::new(), HashMap::new(), HashMap::new());
+    let mut reader = Reader { file, animation, tracks: Vec::new(), known, nodes, weights, keys: 0 };
     for (i, channel) in animation.channels.iter().enumerate() {
         reader.channel(channel, warnings).with_context(|| format!("channel {i}")).with_context(|| label.clone())?;
     }
-    let Reader { tracks, nodes, .. } = reader;
+    let Reader { tracks, nodes, weights, .. } = reader;
     let duration = tracks.iter().filter_map(|track| track.times().last().copied()).fold(0.0, f32::max);
-    Ok((!tracks.is_empty()).then_some(Played { label, name, duration: duration.into(), tracks, nodes }))
+    Ok((!tracks.is_empty()).then_some(Played { label, name, duration: duration.into(), tracks, nodes, weights }))
 }
 
 /// The index of the chosen animation.
@@ -71,6 +74,7 @@ struct Reader<'a> {
     /// Tracks by sampler, and whether the track is a rotation.
     known: HashMap<(usize, bool), usize>,
     nodes: HashMap<usize, Moved>,
+    weights: HashMap<usize, Vec<usize>>,
     /// Keys of all tracks so far.
     keys: usize,
 }
@@ -84,10 +88,7 @@ impl Reader<'_> {
             Property::Translation => Attribute::Translation,
             Property::Rotation => Attribute::Rotation,
             Property::Scale => Attribute::Scale,
-            Property::MorphTargetWeights => {
-                warnings.add(Warning::Animation, "morph targets are not supported: the animation of their weights is not played");
-                return Ok(());
-            }
+            Property::MorphTargetWeights => return self.weights_channel(channel, warnings),
         };
         let index = channel.target.node;
         let node: &Node = self.file.get(index, "node")?;
@@ -108,28 +109,76 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// Weights of a node's morph targets, a track a target.
+    fn weights_channel(&mut self, channel: &Channel, warnings: &mut Warnings) -> Result<()> {
+        let index = channel.target.node;
+        let node: &Node = self.file.get(index, "node")?;
+        let called = || label("node", index.value(), node.name.as_ref());
+        let targets = match node.mesh {
+            Some(mesh) => morph_targets(self.file.get(mesh, "mesh")?),
+            None => 0,
+        };
+        if targets == 0 {
+            warnings.add(Warning::Animation, format!("{} has no morph targets: the animation of their weights is not played", called()));
+            return Ok(());
+        }
+        let first = self.tracks.len();
+        self.weight_tracks(channel.sampler, targets).with_context(|| format!("sampler {}", channel.sampler))?;
+        if self.weights.insert(index.value(), (first..first + targets).collect()).is_some() {
+            refuse!("the weights of {} are those of another channel already", called());
+        }
+        Ok(())
+    }
+
+    fn weight_tracks(&mut self, index: Index<Sampler>, targets: usize) -> Result<()> {
+        let sampler = self.sampler(index)?;
+        let (course, times) = self.keys(sampler, targets)?;
+        let each = Track::values_a_key(course);
+        let expected = times.len() as u64 * each as u64 * targets as u64;
+        let found = self.file.count(sampler.output)?;
+        if found != expected {
+            refuse!(
+                "its {} keys of {targets} targets need {expected} values, its output (accessor {}) has {found}",
+                times.len(),
+                sampler.output
+            );
+        }
+        let values: Vec<f32> = self.file.floats::<1>(sampler.output, Attribute::MorphWeights)?.into_flattened();
+        for target in 0..targets {
+            let own = values.iter().skip(target).step_by(targets).map(|value| [*value, 0.0, 0.0, 0.0]).collect();
+            self.tracks.push(Track::new(course, times.clone(), own));
+            self.keys += times.len();
+        }
+        Ok(())
+    }
+
+    fn sampler(&self, index: Index<Sampler>) -> Result<&Sampler> {
+        let Some(sampler) = self.animation.samplers.get(index.value()) else {
+            refuse!("it does not exist, the animation has {}", self.animation.samplers.len());
+        };
+        Ok(sampler)
+    }
+
     fn track(&mut self, index: Index<Sampler>, attribute: Attribute) -> Result<usize> {
         let key = (index.value(), attribute == Attribute::Rotation);
         if let Some(known) = self.known.get(&key) {
             return Ok(*known);
         }
-        let Some(sampler) = self.animation.samplers.get(index.value()) else {
-            refuse!("it does not exist, the animation has {}", self.animation.samplers.len());
-        };
-        self.tracks.push(self.read(sampler, attribute)?);
+        self.tracks.push(self.read(self.sampler(index)?, attribute)?);
         self.keys += self.tracks.last().map_or(0, |track| track.times().len());
         self.known.insert(key, self.tracks.len() - 1);
         Ok(self.tracks.len() - 1)
     }
 
-    fn read(&self, sampler: &Sampler, attribute: Attribute) -> Result<Track> {
+    /// Interpolation and times of a sampler's keys, of which `tracks` tracks will be made.
+    fn keys(&self, sampler: &Sampler, tracks: usize) -> Result<(Course, Vec<f32>)> {
         let course = match sampler.interpolation {
             Checked::Valid(Interpolation::Step) => Course::Step,
             Checked::Valid(Interpolation::Linear) => Course::Linear,
             Checked::Valid(Interpolation::CubicSpline) => Course::Cubic,
             Checked::Invalid => refuse!("its interpolation is none of STEP, LINEAR and CUBICSPLINE"),
         };
-        if self.file.count(sampler.input)?.saturating_add(self.keys as u64) > MAX_KEYS as u64 {
+        if self.file.count(sampler.input)?.saturating_mul(tracks as u64).saturating_add(self.keys as u64) > MAX_KEYS as u64 {
             refuse!("with it, the animation has more than {MAX_KEYS} keys");
         }
         let times: Vec<f32> = self.file.floats::<1>(sampler.input, Attribute::Time)?.into_flattened();
@@ -139,6 +188,11 @@ impl Reader<'_> {
         if let Some(bad) = (0..times.len()).find(|i| times[*i] < if *i > 0 { times[i - 1] } else { 0.0 }) {
             refuse!("the time {} of key {bad} is below 0 or before that of the key before it", times[bad]);
         }
+        Ok((course, times))
+    }
+
+    fn read(&self, sampler: &Sampler, attribute: Attribute) -> Result<Track> {
+        let (course, times) = self.keys(sampler, 1)?;
         let expected = times.len() * Track::values_a_key(course);
         if self.file.count(sampler.output)? != expected as u64 {
             let found = self.file.count(sampler.output)?;
@@ -159,6 +213,11 @@ impl Reader<'_> {
         }
         Ok(Track::new(course, times, values))
     }
+}
+
+/// Number of a mesh's morph targets, by its first primitive.
+pub fn morph_targets(mesh: &Mesh) -> usize {
+    mesh.primitives.first().and_then(|primitive| primitive.targets.as_ref()).map_or(0, Vec::len)
 }
 
 /// Refuses a scene whose animation moves a mesh too far away.

@@ -1,11 +1,13 @@
 //! Adding meshes to the scene's one vertex and one index array, with a draw per node.
 
 use super::accessors::Attribute;
+use super::bends::{BendKey, Bends};
 use super::materials::{Materials, Used};
 use super::nodes::PlacedMesh;
 use super::triangles::{make_flat, triangulate};
 use super::{File, Warning, Warnings, label, refuse};
 use crate::scene::animation::Hung;
+use crate::scene::bend::Bending;
 use crate::scene::{Aabb, Draw, Map, Scene, Vertex, pack, tangents};
 use anyhow::{Context, Result};
 use glam::{Vec3, Vec4};
@@ -20,7 +22,7 @@ pub const MAX_DISTANCE: f32 = 1e9;
 /// Limit of primitives over all nodes: a small file in which many nodes show many primitives would fill the memory with draws.
 const MAX_SHOWN: usize = 1 << 20;
 /// Limits of a scene's vertices and indices (2 GiB each).
-const MAX_VERTICES: usize = 1 << 26;
+pub const MAX_VERTICES: usize = 1 << 26;
 const MAX_INDICES: usize = 1 << 29;
 
 /// All inputs of a range of vertices. Primitives with equal keys share the range.
@@ -35,6 +37,7 @@ struct VertexKey {
     mirrored_tangents: bool,
     /// Inputs of vertices made per corner: flat normals and tangents depend on the triangles.
     corners: Option<Corners>,
+    bend: BendKey,
 }
 
 #[derive(Clone, PartialEq, Eq, Hash)]
@@ -54,17 +57,19 @@ struct IndexKey {
     mirrored: bool,
 }
 
-/// A range of vertices.
+/// A range of vertices, in the scene, or as modelled of the meshes that bend.
 #[derive(Clone, Copy)]
 struct Vertices {
     offset: u32,
     count: u32,
+    /// Number of what nodes get copies of, if it bends.
+    template: Option<usize>,
 }
 
 /// A range of triangles and its bounds, in mesh space.
 #[derive(Clone, Copy)]
 struct Triangles {
-    vertex_offset: u32,
+    vertices: Vertices,
     first_index: u32,
     index_count: u32,
     bounds: Aabb,
@@ -76,18 +81,26 @@ struct Builder<'a> {
     warnings: &'a mut Warnings,
     vertices: HashMap<VertexKey, Vertices>,
     triangles: HashMap<IndexKey, Option<Triangles>>,
+    bends: Bends<'a>,
     /// Primitives counted so far, over all nodes.
     shown: usize,
 }
 
-/// Adds all meshes to the scene.
-pub fn build(file: &File<'_>, meshes: &[PlacedMesh], materials: &Materials, scene: &mut Scene, warnings: &mut Warnings) -> Result<()> {
-    let mut builder = Builder { file, scene, warnings, vertices: HashMap::new(), triangles: HashMap::new(), shown: 0 };
+/// Adds all meshes to the scene. Those that bend are in it as they were modelled; the result says how they bend.
+pub fn build<'a>(
+    file: &'a File<'_>,
+    meshes: &[PlacedMesh],
+    materials: &Materials,
+    bends: Bends<'a>,
+    scene: &'a mut Scene,
+    warnings: &'a mut Warnings,
+) -> Result<Bending> {
+    let mut builder = Builder { file, scene, warnings, vertices: HashMap::new(), triangles: HashMap::new(), bends, shown: 0 };
     for placed in meshes {
         let mesh = file.get(placed.mesh, "mesh")?;
         builder.mesh(mesh, placed, materials).with_context(|| label("mesh", placed.mesh.value(), mesh.name.as_ref()))?;
     }
-    Ok(())
+    Ok(builder.bends.made)
 }
 
 /// Whether all coordinates of a box are within [`MAX_DISTANCE`]; NaN is not.
@@ -103,10 +116,15 @@ impl Builder<'_> {
                 refuse!("the nodes show more than {MAX_SHOWN} primitives");
             }
             let material = materials.get(primitive.material);
-            let Some(triangles) = self.primitive(primitive, material, placed.mirrored).with_context(|| format!("primitive {i}"))? else {
+            let context = || format!("primitive {i}");
+            let Some(triangles) = self.primitive(mesh, primitive, material, placed).with_context(context)? else {
                 continue;
             };
-            if !is_near(triangles.bounds.transformed(&placed.transform)) {
+            let vertex_offset = match triangles.vertices.template {
+                Some(template) => self.bends.copy(template, mesh, placed, self.scene).with_context(context)?,
+                None => triangles.vertices.offset,
+            };
+            if triangles.vertices.template.is_none() && !is_near(triangles.bounds.transformed(&placed.transform)) {
                 refuse!("at node {} it reaches farther than {MAX_DISTANCE:e} m from the origin", placed.node);
             }
             if let (Some(node), Some(animation)) = (placed.moves, &mut self.scene.animation) {
@@ -115,7 +133,7 @@ impl Builder<'_> {
             self.scene.draws.push(Draw {
                 first_index: triangles.first_index,
                 index_count: triangles.index_count,
-                vertex_offset: triangles.vertex_offset,
+                vertex_offset,
                 material: material.index,
                 transform: placed.transform,
             });
@@ -124,16 +142,14 @@ impl Builder<'_> {
     }
 
     /// The range of a primitive's triangles; `None` if it has no triangles.
-    fn primitive(&mut self, primitive: &Primitive, material: Used, mirrored: bool) -> Result<Option<Triangles>> {
+    fn primitive(&mut self, mesh: &Mesh, primitive: &Primitive, material: Used, placed: &PlacedMesh) -> Result<Option<Triangles>> {
+        let mirrored = placed.mirrored;
         let Checked::Valid(mode) = primitive.mode else {
             refuse!("its mode is none of glTF's");
         };
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             self.warnings.add(Warning::PointsAndLines, "points and lines are not supported: they are left out");
             return Ok(None);
-        }
-        if primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
-            self.warnings.add(Warning::MorphTarget, "morph targets are not supported: meshes are shown without them");
         }
         let attribute = |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
         let Some(positions) = attribute(Semantic::Positions) else {
@@ -150,6 +166,10 @@ impl Builder<'_> {
         // Given tangents are meaningless without normals.
         let tangents = attribute(Semantic::Tangents).filter(|_| material.has_normal_map && normals.is_some());
         let makes_tangents = material.has_normal_map && tangents.is_none();
+        if material.has_normal_map && primitive.targets.iter().flatten().any(|target| target.tangents.is_some()) {
+            self.warnings.add(Warning::MorphTangents, "TANGENT of morph targets is not supported: tangents keep their direction");
+        }
+        let bend = self.bends.key(mesh, primitive, placed, self.warnings)?;
         let value = |index: Index<Accessor>| index.value();
         let (indices, mode_number) = (primitive.indices.map(value), mode as u8);
         let corners = (normals.is_none() || makes_tangents).then(|| Corners {
@@ -166,6 +186,7 @@ impl Builder<'_> {
             colors: attribute(Semantic::Colors(0)).map(value),
             mirrored_tangents: mirrored && material.has_normal_map,
             corners,
+            bend,
         };
         let key = IndexKey { vertices, indices, mode: mode_number, mirrored };
         if let Some(known) = self.triangles.get(&key) {
@@ -193,6 +214,7 @@ impl Builder<'_> {
             }
         };
         let mut own = key.vertices.corners.as_ref().map(|_| self.read_vertices(&key.vertices)).transpose()?;
+        let colors = own.as_mut().filter(|_| key.vertices.bend.bends()).map(|vertices| number(vertices));
         if let Some(vertices) = own.as_mut().filter(|_| key.vertices.normals.is_none()) {
             make_flat(vertices, &mut indices);
         }
@@ -204,20 +226,24 @@ impl Builder<'_> {
             tangents::fill(vertices, &mut indices, |uv| map.matrix * uv + map.offset);
         }
         let range = match own {
-            Some(vertices) => self.append(vertices)?,
+            Some(mut vertices) => {
+                let sources = colors.map(|colors| restore(&mut vertices, &colors)).unwrap_or_default();
+                self.append(&key.vertices.bend, vertices, (count as usize, &sources))?
+            }
             None => self.shared_vertices(&key.vertices)?,
         };
         if indices.is_empty() {
             return Ok(None);
         }
-        let vertices = &self.scene.vertices[range.offset as usize..][..range.count as usize];
+        let vertices = if range.template.is_some() { &self.bends.made.rest } else { &self.scene.vertices };
+        let vertices = &vertices[range.offset as usize..][..range.count as usize];
         let bounds = Aabb::of(indices.iter().map(|&i| vertices[i as usize].position.into()));
         let (first_index, index_count) = (self.scene.indices.len(), indices.len());
         if first_index + index_count > MAX_INDICES {
             refuse!("with it, the scene has more than {MAX_INDICES} indices");
         }
         self.scene.indices.append(&mut indices);
-        Ok(Some(Triangles { vertex_offset: range.offset, first_index: first_index as u32, index_count: index_count as u32, bounds }))
+        Ok(Some(Triangles { vertices: range, first_index: first_index as u32, index_count: index_count as u32, bounds }))
     }
 
     /// The normal map for which tangents must be made.
@@ -231,18 +257,25 @@ impl Builder<'_> {
             return Ok(*known);
         }
         let vertices = self.read_vertices(key)?;
-        let range = self.append(vertices)?;
+        let sources: Vec<u32> = if key.bend.bends() { (0..vertices.len() as u32).collect() } else { Vec::new() };
+        let range = self.append(&key.bend, vertices, (sources.len(), &sources))?;
         self.vertices.insert(key.clone(), range);
         Ok(range)
     }
 
-    fn append(&mut self, mut vertices: Vec<Vertex>) -> Result<Vertices> {
+    /// Adds vertices; if they bend, `sources` are as in [`Bends::add`].
+    fn append(&mut self, bend: &BendKey, mut vertices: Vec<Vertex>, sources: (usize, &[u32])) -> Result<Vertices> {
+        if bend.bends() {
+            let (offset, count) = (self.bends.made.rest.len() as u32, vertices.len() as u32);
+            let template = Some(self.bends.add(bend, vertices, sources, self.warnings)?);
+            return Ok(Vertices { offset, count, template });
+        }
         let (offset, count) = (self.scene.vertices.len(), vertices.len());
         if offset + count > MAX_VERTICES {
             refuse!("with it, the scene has more than {MAX_VERTICES} vertices");
         }
         self.scene.vertices.append(&mut vertices);
-        Ok(Vertices { offset: offset as u32, count: count as u32 })
+        Ok(Vertices { offset: offset as u32, count: count as u32, template: None })
     }
 
     /// Vertices from the file. Without normals in the file they point up.
@@ -284,8 +317,23 @@ impl Builder<'_> {
     }
 }
 
+/// Puts each vertex's number in place of its colour, and returns the colours. What makes vertices of vertices copies colours alone.
+fn number(vertices: &mut [Vertex]) -> Vec<u32> {
+    vertices.iter_mut().zip(0..).map(|(vertex, number)| std::mem::replace(&mut vertex.color, number)).collect()
+}
+
+/// Gives vertices their colours back, and returns the numbers.
+fn restore(vertices: &mut [Vertex], colors: &[u32]) -> Vec<u32> {
+    let back = |vertex: &mut Vertex| {
+        let number = vertex.color;
+        vertex.color = colors[number as usize];
+        number
+    };
+    vertices.iter_mut().map(back).collect()
+}
+
 /// An attribute of `count` elements; empty if it is missing.
-fn read<const N: usize>(file: &File<'_>, index: Option<usize>, attribute: Attribute, count: Option<usize>) -> Result<Vec<[f32; N]>> {
+pub fn read<const N: usize>(file: &File<'_>, index: Option<usize>, attribute: Attribute, count: Option<usize>) -> Result<Vec<[f32; N]>> {
     let Some(index) = index else {
         return Ok(Vec::new());
     };

@@ -6,6 +6,7 @@
 
 mod accessors;
 mod animations;
+mod bends;
 mod buffers;
 mod container;
 mod geometry;
@@ -13,12 +14,13 @@ mod images;
 mod lights;
 mod materials;
 mod nodes;
+mod skins;
 mod textures;
 mod triangles;
 
 use super::Scene;
-use super::animation::Animation;
 use anyhow::{Context, Result};
+use bends::Bends;
 use buffers::Buffers;
 use gltf_json::{Index, Root};
 use std::path::Path;
@@ -125,8 +127,9 @@ struct Warnings(Vec<(Warning, String, usize)>);
 enum Warning {
     Extension,
     Animation,
-    Skin,
-    MorphTarget,
+    Joints,
+    Weightless,
+    MorphTangents,
     HiddenNode,
     Mirrored,
     LightRange,
@@ -168,15 +171,18 @@ fn read(bytes: &[u8], base: Option<&Path>, name: &str, choice: Option<&Choice>) 
     let choice = choice.unwrap_or(&default);
     let played = animations::read(&file, &choice.animation, &mut warnings)?;
     let moving = played.as_ref().map(|played| played.label.clone());
-    let nodes::Placed { meshes, lights, cameras, animation } = nodes::walk(&file, choice.scene.as_ref(), played, &mut warnings)?;
+    let mut placed = nodes::walk(&file, choice.scene.as_ref(), played, &mut warnings)?;
+    let bends = Bends::new(&file, skins::read(&file, &mut placed)?, std::mem::take(&mut placed.weights));
+    let nodes::Placed { meshes, lights, cameras, animation, .. } = placed;
     let mut scene = Scene { name: name.to_string(), lights, cameras, animation, ..Scene::default() };
     let materials = materials::read(&file, &meshes, &mut scene, &mut warnings)?;
     images::decode(&file, &materials.textures.images, &mut scene)?;
-    geometry::build(&file, &meshes, &materials, &mut scene, &mut warnings)?;
+    let bending = geometry::build(&file, &meshes, &materials, bends, &mut scene, &mut warnings)?;
     if scene.draws.is_empty() {
         refuse!("the scene has no triangles");
     }
-    scene.animation = scene.animation.take().filter(Animation::moves);
+    bends::finish(&mut scene, bending)?;
+    scene.animation = scene.animation.take().filter(|animation| animation.moves() || scene.bending.is_some());
     animations::check_reach(&scene).with_context(|| moving.unwrap_or_default())?;
     Ok(Loaded { scene, warnings: warnings.sentences() })
 }

@@ -7,15 +7,21 @@ use crate::scene::{Camera, Light};
 use anyhow::{Context, Result};
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf_json::extensions::scene::khr_lights_punctual::Light as PunctualLight;
-use gltf_json::{Index, Mesh, Node};
+use gltf_json::{Index, Mesh, Node, Skin};
+use std::collections::HashMap;
 
 /// Meshes, lights and cameras placed in the world by nodes.
+#[derive(Default)]
 pub struct Placed {
     pub meshes: Vec<PlacedMesh>,
     pub lights: Vec<Light>,
     pub cameras: Vec<Camera>,
     /// The animation, still without the meshes' draws.
     pub animation: Option<Animation>,
+    /// Each of the file's nodes: its world transform, or its number among the moving nodes; `None` if it is not in the scene.
+    pub nodes: Vec<Option<Parent>>,
+    /// Tracks of the weights of nodes' morph targets, by the node's index: one a target.
+    pub weights: HashMap<usize, Vec<usize>>,
 }
 
 /// A mesh at a node.
@@ -28,29 +34,35 @@ pub struct PlacedMesh {
     pub mirrored: bool,
     /// The moving node that the mesh is attached to.
     pub moves: Option<usize>,
+    /// The skin that bends it; its node's transform then does not matter.
+    pub skin: Option<Index<Skin>>,
 }
 
-/// A node to visit: its index, and its parent.
-type Step = (Index<Node>, Parent);
+/// A node to visit: its index, its parent, and whether nothing on it is shown.
+type Step = (Index<Node>, Parent, bool);
 
 /// Visits the nodes of the chosen scene, parents first. Animated nodes are placed at time 0.
 pub fn walk(file: &File<'_>, choice: Option<&SceneChoice>, played: Option<Played>, warnings: &mut Warnings) -> Result<Placed> {
-    let mut placed = Placed { meshes: Vec::new(), lights: Vec::new(), cameras: Vec::new(), animation: None };
+    let mut placed = Placed { nodes: vec![None; file.root.nodes.len()], ..Placed::default() };
     let (label_of_animation, moved) = played.as_ref().map(|played| (played.label.clone(), played.nodes.clone())).unwrap_or_default();
-    let mut animation = played.map(|played| Animation {
-        name: played.name,
-        duration: played.duration,
-        tracks: played.tracks,
-        nodes: Vec::new(),
-        draws: Vec::new(),
-        lights: Vec::new(),
-        cameras: Vec::new(),
+    let mut animation = played.map(|played| {
+        placed.weights = played.weights;
+        Animation {
+            name: played.name,
+            duration: played.duration,
+            tracks: played.tracks,
+            nodes: Vec::new(),
+            draws: Vec::new(),
+            lights: Vec::new(),
+            cameras: Vec::new(),
+        }
     });
     let mut seen = vec![false; file.root.nodes.len()];
-    let mut stack: Vec<Step> = roots(file, choice)?.into_iter().rev().map(|node| (node, Parent::Still(DAffine3::IDENTITY))).collect();
+    let mut stack: Vec<Step> =
+        roots(file, choice)?.into_iter().rev().map(|node| (node, Parent::Still(DAffine3::IDENTITY), false)).collect();
     // World transform of each moving node at time 0.
     let mut worlds: Vec<DAffine3> = Vec::new();
-    while let Some((index, parent)) = stack.pop() {
+    while let Some((index, parent, mut hidden)) = stack.pop() {
         let node = file.get(index, "node")?;
         let context = || label("node", index.value(), node.name.as_ref());
         if std::mem::replace(&mut seen[index.value()], true) {
@@ -60,12 +72,18 @@ pub fn walk(file: &File<'_>, choice: Option<&SceneChoice>, played: Option<Played
         if node.scale == Some([0.0; 3]) && moved.is_none_or(|moved| moved.scale.is_none()) {
             // A scale of zero is glTF's way to hide a node.
             warnings.add(Warning::HiddenNode, format!("{} has a scale of zero: it and all below it are left out", context()));
-            continue;
+            // It may still be a joint.
+            if file.root.skins.is_empty() {
+                continue;
+            }
+            hidden = true;
         }
         let here = match (&mut animation, parent, moved) {
             (None, Parent::Still(parent), _) | (_, Parent::Still(parent), None) => {
                 let world = parent * local(node).with_context(context)?;
-                place(file, index, node, world, &mut placed, warnings).with_context(context)?;
+                if !hidden {
+                    place(file, index, node, world, &mut placed, warnings).with_context(context)?;
+                }
                 Parent::Still(world)
             }
             (Some(animation), parent, moved) => {
@@ -76,12 +94,15 @@ pub fn walk(file: &File<'_>, choice: Option<&SceneChoice>, played: Option<Played
                 worlds.push(animation.world(&MovingNode { parent, local }, &worlds, 0.0));
                 animation.nodes.push(MovingNode { parent, local });
                 let number = animation.nodes.len() - 1;
-                hang(file, index, node, (number, worlds[number]), animation, &mut placed, warnings).with_context(context)?;
+                if !hidden {
+                    hang(file, index, node, (number, worlds[number]), animation, &mut placed, warnings).with_context(context)?;
+                }
                 Parent::Moving(number)
             }
             (None, Parent::Moving(_), _) => unreachable!("without an animation nothing moves"),
         };
-        stack.extend(node.children.iter().flatten().rev().map(|&child| (child, here)));
+        placed.nodes[index.value()] = Some(here);
+        stack.extend(node.children.iter().flatten().rev().map(|&child| (child, here, hidden)));
     }
     placed.animation = animation;
     orient(&mut placed, &label_of_animation, warnings);
@@ -161,7 +182,7 @@ fn moving(node: &Node, moved: &Moved) -> Result<Local> {
 
 /// Places the mesh, light and camera of a node that does not move.
 fn place(file: &File<'_>, index: Index<Node>, node: &Node, world: DAffine3, placed: &mut Placed, warnings: &mut Warnings) -> Result<()> {
-    let carries = node.mesh.is_some() || node.camera.is_some() || light_of(node).is_some();
+    let carries = (node.mesh.is_some() && node.skin.is_none()) || node.camera.is_some() || light_of(node).is_some();
     if carries && (is_singular(world.matrix3) || !world.translation.as_vec3().is_finite()) {
         refuse!("its transform (with its parents') is singular: it has no inverse, so what hangs on it has no orientation");
     }
@@ -201,11 +222,12 @@ fn carry(
     warnings: &mut Warnings,
 ) -> Result<()> {
     if let Some(mesh) = node.mesh {
-        if node.skin.is_some() {
-            warnings.add(Warning::Skin, "skins are not supported: skinned meshes are shown as they were modelled");
-        }
-        let mirrored = world.matrix3.determinant() < 0.0;
-        placed.meshes.push(PlacedMesh { mesh, node: index.value(), transform: single(world), mirrored, moves });
+        let (node_index, mirrored) = (index.value(), world.matrix3.determinant() < 0.0);
+        placed.meshes.push(match node.skin {
+            // Its joints alone place it; whether they mirror it is known once all are placed.
+            Some(_) => PlacedMesh { mesh, node: node_index, transform: Affine3A::IDENTITY, mirrored: false, moves: None, skin: node.skin },
+            None => PlacedMesh { mesh, node: node_index, transform: single(world), mirrored, moves, skin: None },
+        });
     }
     if let Some(light) = light_of(node) {
         placed.lights.push(lights::light(file, light, world, warnings)?);

@@ -37,6 +37,8 @@ const POINTS_A_GROUP: f64 = 2048.0;
 pub struct Triangles {
     positions: BufferId,
     vertex_count: u32,
+    /// Whether meshes bend, so that `deform::vertices` writes positions.
+    bends: bool,
     chunks: Vec<Chunk>,
     areas: Areas,
 }
@@ -53,7 +55,7 @@ struct Chunk {
 #[derive(Clone, Copy)]
 pub struct FrameTriangles<'f> {
     pub table: &'f Triangles,
-    /// Positions of the scene's vertices, in their draw's object space, metres.
+    /// Positions of the scene's vertices, in their draw's object space, metres; those of meshes that bend are bent.
     pub positions: Buffer,
 }
 
@@ -85,6 +87,7 @@ impl Triangles {
         Ok(Self {
             positions: gpu.create_filled_buffer("scene/positions", bytemuck::cast_slice(&positions))?,
             vertex_count: positions.len() as u32,
+            bends: scene.bending.is_some(),
             chunks,
             areas,
         })
@@ -92,7 +95,12 @@ impl Triangles {
 
     /// Imports the triangles into a frame's graph.
     pub fn import(&self, g: &mut Graph) -> FrameTriangles<'_> {
-        FrameTriangles { table: self, positions: g.import_buffer::<[f32; 3]>("scene/positions", self.positions, self.vertex_count) }
+        let (id, count) = (self.positions, self.vertex_count);
+        let positions = match self.bends {
+            true => g.keep_buffer::<[f32; 3]>("scene/positions", id, count),
+            false => g.import_buffer::<[f32; 3]>("scene/positions", id, count),
+        };
+        FrameTriangles { table: self, positions }
     }
 
     /// All triangles as patches to tessellate, without materials and without culling.
