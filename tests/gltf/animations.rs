@@ -182,12 +182,12 @@ fn a_scene_that_moves_otherwise_is_another_scene() {
 }
 
 #[test]
-fn weights_of_morph_targets_are_a_warning() {
+fn weights_of_a_node_without_morph_targets_are_a_warning() {
     let mut make = Make::square();
     make.animate(0, "translation", "LINEAR", &[0.0, 1.0], &[0., 0., 0., 1., 0., 0.]);
     push(&mut make.json["animations"][0]["channels"], json!({"sampler": 0, "target": {"node": 0, "path": "weights"}}));
     let loaded = make.load().unwrap();
-    assert_eq!(loaded.warnings, ["morph targets are not supported: the animation of their weights is not played"]);
+    assert_eq!(loaded.warnings, ["node 0 has no morph targets: the animation of their weights is not played"]);
     assert!(loaded.scene.animation.is_some());
 }
 

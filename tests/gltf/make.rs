@@ -99,12 +99,56 @@ impl Make {
 
     /// Animates a property of a node through keys: adds a channel to the file's first animation, which is made if missing.
     pub fn animate(&mut self, node: usize, property: &str, interpolation: &str, times: &[f32], values: &[f32]) {
-        let kind = if property == "rotation" { "VEC4" } else { "VEC3" };
+        let kind = match property {
+            "rotation" => "VEC4",
+            "weights" => "SCALAR",
+            _ => "VEC3",
+        };
         let (input, output) = (self.floats("SCALAR", times), self.floats(kind, values));
         let animations = self.json.as_object_mut().unwrap().entry("animations").or_insert(json!([{"channels": [], "samplers": []}]));
         let sampler = json!({"input": input, "output": output, "interpolation": interpolation});
         let sampler = push(&mut animations[0]["samplers"], sampler);
         push(&mut animations[0]["channels"], json!({"sampler": sampler, "target": {"node": node, "path": property}}));
+    }
+
+    /// Adds a morph target to the first primitive, with displacements of the square's corners.
+    pub fn target(&mut self, positions: [[f32; 3]; 4], normals: Option<[[f32; 3]; 4]>) {
+        let mut target = json!({"POSITION": self.floats("VEC3", positions.as_flattened())});
+        if let Some(normals) = normals {
+            target["NORMAL"] = json!(self.floats("VEC3", normals.as_flattened()));
+        }
+        let primitive = self.primitive().as_object_mut().unwrap();
+        push(primitive.entry("targets").or_insert(json!([])), target);
+    }
+
+    /// Gives the square's corners four joints with weights each, in set `set` of the attributes.
+    pub fn influences(&mut self, set: u32, joints: [[u8; 4]; 4], weights: [[f32; 4]; 4]) {
+        self.attribute(&format!("JOINTS_{set}"), U8, "VEC4", joints.as_flattened());
+        self.attribute(&format!("WEIGHTS_{set}"), F32, "VEC4", &bytes(weights.as_flattened()));
+    }
+
+    /// Adds a skin of these nodes; `binds` are where each stood when the mesh was modelled.
+    pub fn skin(&mut self, joints: &[usize], binds: &[[f32; 3]]) -> usize {
+        let inverse = binds.iter().flat_map(|[x, y, z]| [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., -x, -y, -z, 1.]);
+        let inverse = self.floats("MAT4", &inverse.collect::<Vec<f32>>());
+        let skins = self.json.as_object_mut().unwrap().entry("skins").or_insert(json!([]));
+        push(skins, json!({"joints": joints, "inverseBindMatrices": inverse}))
+    }
+
+    /// The square on two joints at its lower corners, nodes 1 and 2, of which the first holds its left side and the second its right. The
+    /// second slides to the right by four, in two seconds. The square's own node stands far away, which must not matter.
+    pub fn stretched() -> Self {
+        let mut make = Self::square();
+        make.influences(0, [[0; 4], [1, 0, 0, 0], [1, 0, 0, 0], [0; 4]], [[1.0, 0.0, 0.0, 0.0]; 4]);
+        make.skin(&[1, 2], &[[0.0; 3], [1.0, 0.0, 0.0]]);
+        make.json["nodes"] = json!([
+            {"mesh": 0, "skin": 0, "translation": [70, 80, 90], "scale": [0, 1, 1]},
+            {"children": [2]},
+            {"translation": [1, 0, 0]},
+        ]);
+        make.json["scenes"][0]["nodes"] = json!([0, 1]);
+        make.animate(2, "translation", "LINEAR", &[0.0, 2.0], &[1., 0., 0., 5., 0., 0.]);
+        make
     }
 
     /// The JSON with a buffer of this URI, or with a .glb's binary chunk.
@@ -163,6 +207,7 @@ fn dimensions(kind: &str) -> usize {
         "VEC2" => 2,
         "VEC3" => 3,
         "VEC4" => 4,
+        "MAT4" => 16,
         other => panic!("{other}"),
     }
 }

@@ -87,6 +87,8 @@ impl Scene {
 
     /// Bounds of each draw that bends over the whole animation, by the draw's index: the union over all of the animation's samples.
     pub(in crate::scene) fn bent_bounds(&self) -> Vec<(usize, Aabb)> {
+        /// Times that are sampled besides the animation's own samples.
+        const EVENLY: u32 = 256;
         /// Boxes that are transformed, at most.
         const MOST: usize = 1 << 23;
         let Some(bending) = &self.bending else { return Vec::new() };
@@ -96,7 +98,11 @@ impl Scene {
             self.draws.iter().enumerate().filter_map(|(index, draw)| Some((index, self.reach(draw)?))).collect();
         let mut swept: Vec<(usize, Aabb)> = reaches.iter().map(|(index, _)| (*index, Aabb::EMPTY)).collect();
         let boxes = reaches.iter().map(|(_, reach)| reach.len()).sum::<usize>() + bending.joints.len();
-        let samples = self.animation.as_ref().map_or_else(|| vec![0.0], Animation::samples);
+        let mut samples = self.animation.as_ref().map_or_else(|| vec![0.0], Animation::samples);
+        // A chain of joints goes farther between two keys than each joint does.
+        let duration = self.animation.as_ref().map_or(0.0, |animation| animation.duration);
+        samples.extend((0..EVENLY).map(|i| duration * f64::from(i) / f64::from(EVENLY)));
+        samples.sort_by(f64::total_cmp);
         let every = samples.len().div_ceil((MOST / boxes.max(1)).max(16));
         for seconds in samples.into_iter().step_by(every) {
             let worlds = self.animation.as_ref().map(|animation| animation.worlds(seconds)).unwrap_or_default();
