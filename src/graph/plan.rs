@@ -160,6 +160,18 @@ mod tests {
     }
 
     #[test]
+    fn vertices_that_a_pass_makes_are_seen_by_draws_and_by_shaders_and_made_again_after_them() {
+        let draws = Access { resource: 0, stages: Stages::VERTEX_INPUT, accesses: Accesses::VERTEX_READ };
+        let barriers = plan(&[vec![writes(0, COMPUTE)], vec![draws], vec![draws], vec![reads(0, COMPUTE)], vec![writes(0, COMPUTE)]]);
+        let seen = |stages, needed| Barrier { from: COMPUTE, written: Accesses::SHADER_WRITE, to: stages, needed };
+        assert_eq!(barriers[1], Some(seen(Stages::VERTEX_INPUT, Accesses::VERTEX_READ)));
+        assert_eq!(barriers[2], None);
+        assert_eq!(barriers[3], Some(seen(COMPUTE, Accesses::SHADER_READ)));
+        let again = barriers[4].unwrap();
+        assert_eq!((again.from, again.to), (Stages::VERTEX_INPUT | COMPUTE, COMPUTE));
+    }
+
+    #[test]
     fn one_barrier_serves_every_resource_that_it_covers() {
         let barriers = plan(&[
             vec![writes(0, COMPUTE), writes(1, COMPUTE)],

@@ -1,6 +1,7 @@
 //! Tests of the engine on the software driver, with the validation layer and its synchronization validation on.
 
 mod animation;
+mod bends;
 mod bounce;
 mod bvh;
 mod common;

@@ -1,4 +1,4 @@
-//! Vertices made by a pass and then drawn, as skinned meshes will need.
+//! Vertices made by a pass and then drawn, as meshes that bend are.
 
 use crate::common::*;
 use manylight::gpu::{Accesses, Attachment, Barrier, Bound, Format, Gpu, ImageDesc, Load, RasterState, Stages};
