@@ -136,6 +136,19 @@ fn the_device_bends_vertices_as_the_host_does() {
 }
 
 #[test]
+fn targets_bend_without_any_skin() {
+    let mut make = Make::square();
+    make.target([[0.0; 3], [0.0; 3], [0.0, 0.5, 1.0], [0.0, 0.0, 1.0]], None);
+    make.animate(0, "weights", "LINEAR", &[0.0, 2.0], &[0.0, 1.0]);
+    let mut scene = make.scene();
+    let mut renderer = renderer(scene.clone());
+    for frame in [5, 0, 3] {
+        assert_bent(&mut renderer, &lit(config()), &mut scene, frame);
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
 fn a_scene_in_which_nothing_bends_has_no_pass_for_it() {
     let mut renderer = renderer(Make::square().scene());
     let (passes, _) = renderer.names(&lit(config())).unwrap();

@@ -30,8 +30,8 @@ pub struct Bending {
     pub pose: Pose,
 }
 
-/// Influences of four joints on a vertex: 16 bytes, a texel on the device.
-#[repr(C)]
+/// Influences of four joints on a vertex: 16 bytes, a texel on the device, which takes them as words.
+#[repr(C, align(4))]
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Influences {
     /// Numbers of the joints in their skin.
