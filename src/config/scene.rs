@@ -34,6 +34,7 @@ pub struct SceneConfig {
     /// Seed of the atrium's random numbers.
     pub seed: u32,
     /// Length of the longest edge after triangles are split, in units of the scene's diagonal. Maps of clusters bend long edges.
+    /// Meshes with skins or morph targets are not split.
     #[schemars(range(min = 0.001, max = 1), extend("x-default" = "none"))]
     pub split: Option<f32>,
 }

@@ -5,16 +5,13 @@
 //! a fifth of a map's time on a software driver.
 
 use super::bent::{DeviceBending, FrameBending};
+use super::buckets::{Bucket, BucketKey, Motion, PlacedDraw, fill_buckets, material_data, upload_textures};
 use crate::fail;
 use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, VertexLayout, Wrapping};
 use crate::graph::{Buffer, DrawList, Graph, ListBlock, Member, ShaderStruct};
-use crate::scene::bend::Reach;
-use crate::scene::{Aabb, Draw, Filter, Map, Material, Scene, Vertex, Wrap};
+use crate::scene::{Aabb, Draw, Filter, Scene, Vertex, Wrap};
 use crate::{shader_struct, vertex_layout};
 use anyhow::Result;
-use glam::Affine3A;
-use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 /// Vertex layout of a scene's buffer, and the types that shaders read.
 pub const VERTEX: VertexLayout = vertex_layout!(Vertex { position: Float3, normal: Snorm16x2, uv: Float2, color: Unorm8x4, tangent: Uint });
@@ -95,47 +92,6 @@ const MAPS: [(&str, &str); 4] = [
 pub enum Maps {
     Reflection = 2,
     All = 4,
-}
-
-/// Properties shared by the draws of a bucket. Pipelines depend on all but the material's number.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
-struct BucketKey {
-    /// Sorts solid surfaces first, which saves the shading of hidden surfaces.
-    masked: bool,
-    double_sided: bool,
-    colored: bool,
-    /// Number of the material, which is bound as a uniform block.
-    material: u32,
-    /// Image array and sampler state of each map.
-    maps: [Option<MapKey>; 4],
-}
-
-#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
-struct MapKey {
-    array: usize,
-    u: Wrap,
-    v: Wrap,
-    filter: Filter,
-}
-
-struct Bucket {
-    key: BucketKey,
-    draws: Vec<PlacedDraw>,
-}
-
-/// A range of triangles to draw, with its world-space bounds.
-struct PlacedDraw {
-    arguments: DrawArguments,
-    bounds: Aabb,
-    motion: Motion,
-}
-
-/// How a part's bounds follow the scene.
-enum Motion {
-    Still,
-    /// Object-space bounds; the part's bounds are the box around the transformed one.
-    Moves(Aabb),
-    Bends(Reach),
 }
 
 /// Transforms and materials of the draws.
@@ -382,67 +338,6 @@ impl FrameScene<'_> {
     }
 }
 
-/// Image array and layer of each texture.
-type Places = Vec<(usize, u32)>;
-
-fn upload_textures(gpu: &mut Gpu, scene: &Scene) -> Result<(Vec<ImageId>, Places)> {
-    let limits = gpu.adapter.limits;
-    let mut groups: BTreeMap<(u32, u32, bool), Vec<usize>> = BTreeMap::new();
-    for (i, texture) in scene.textures.iter().enumerate() {
-        if texture.width.max(texture.height) > limits.image_size {
-            return Err(fail!(
-                BadInput,
-                "{}: texture {} has {}x{} texels, over the {} that {} allows; scale it down",
-                scene.name,
-                texture.name,
-                texture.width,
-                texture.height,
-                limits.image_size,
-                gpu.adapter.name
-            ));
-        }
-        groups.entry((texture.width, texture.height, texture.srgb)).or_default().push(i);
-    }
-    let mut arrays = Vec::new();
-    let mut places = vec![(0, 0); scene.textures.len()];
-    for ((width, height, srgb), members) in groups {
-        for members in members.chunks(limits.image_layers.max(1) as usize) {
-            let layers: Vec<&[u8]> = members.iter().map(|i| scene.textures[*i].texels.as_slice()).collect();
-            let format = if srgb { Format::Rgba8Srgb } else { Format::Rgba8Unorm };
-            members.iter().enumerate().for_each(|(layer, i)| places[*i] = (arrays.len(), layer as u32));
-            arrays.push(gpu.create_texture_array("scene/textures", format, [width, height], &layers)?);
-        }
-    }
-    Ok((arrays, places))
-}
-
-fn maps(material: &Material) -> [Option<Map>; 4] {
-    [material.base_color_map, material.metallic_roughness_map, material.emission_map, material.normal_map]
-}
-
-fn material_data(material: &Material, places: &Places) -> MaterialData {
-    let [base_color_map, metallic_roughness_map, emission_map, normal_map] = maps(material).map(|map| {
-        map.map_or([0.0; 7], |map| {
-            let [a, b, c, d] = map.matrix.to_cols_array();
-            [a, b, c, d, map.offset.x, map.offset.y, places[map.texture as usize].1 as f32]
-        })
-    });
-    MaterialData {
-        base_color: material.base_color,
-        emission: material.emission,
-        metallic: material.metallic,
-        roughness: material.roughness,
-        alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
-        normal_scale: material.normal_scale,
-        double_sided: u32::from(material.double_sided),
-        base_color_map,
-        metallic_roughness_map,
-        emission_map,
-        normal_map,
-        padding: [0; 24],
-    }
-}
-
 fn draw_data(scene: &Scene) -> Vec<DrawData> {
     let data = |draw: &Draw| DrawData {
         transform: draw.transform.to_cols_array_2d(),
@@ -450,68 +345,6 @@ fn draw_data(scene: &Scene) -> Vec<DrawData> {
         double_sided: u32::from(scene.materials[draw.material as usize].double_sided),
     };
     scene.draws.iter().map(data).collect()
-}
-
-fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
-    let colored = |draw: &Draw| scene.draw_vertices(draw).any(|vertex| vertex.color != u32::MAX);
-    let facts: Vec<(Vec<Draw>, Vec<PartBounds>, bool)> = scene
-        .draws
-        .par_iter()
-        .zip(scene.moving_draws())
-        .map(|(draw, moves)| {
-            let parts = parts(draw);
-            let bounds = parts.iter().map(|part| part_bounds(scene, part, moves)).collect();
-            (parts, bounds, colored(draw))
-        })
-        .collect();
-    let all = facts.iter().flat_map(|(_, bounds, _)| bounds).fold(Aabb::EMPTY, |all, (bounds, _)| all.union(*bounds));
-    let mut buckets: BTreeMap<BucketKey, Vec<PlacedDraw>> = BTreeMap::new();
-    for (number, (draw, (parts, bounds, colored))) in scene.draws.iter().zip(facts).enumerate() {
-        let material = &scene.materials[draw.material as usize];
-        let key = BucketKey {
-            material: draw.material,
-            masked: material.alpha_cutoff.is_some(),
-            double_sided: material.double_sided,
-            colored,
-            maps: maps(material).map(|map| {
-                map.map(|map| MapKey { array: places[map.texture as usize].0, u: map.wrap_u, v: map.wrap_v, filter: map.filter })
-            }),
-        };
-        let place = |(part, (bounds, motion)): (&Draw, PartBounds)| {
-            let arguments = DrawArguments {
-                index_count: part.index_count,
-                instance_count: 1,
-                first_index: part.first_index,
-                vertex_offset: part.vertex_offset as i32,
-                first_instance: number as u32,
-            };
-            PlacedDraw { arguments, bounds, motion }
-        };
-        buckets.entry(key).or_default().extend(parts.iter().zip(bounds).map(place));
-    }
-    (buckets.into_iter().map(|(key, draws)| Bucket { key, draws }).collect(), all)
-}
-
-/// World-space bounds of a part, and how they follow the scene.
-type PartBounds = (Aabb, Motion);
-
-fn part_bounds(scene: &Scene, part: &Draw, moves: bool) -> PartBounds {
-    if !moves {
-        return (scene.draw_bounds(part), Motion::Still);
-    }
-    if let (Some(reach), Some(bending)) = (scene.reach(part), &scene.bending) {
-        return (reach.bounds(&bending.pose, &part.transform), Motion::Bends(reach));
-    }
-    let own = scene.draw_bounds(&Draw { transform: Affine3A::IDENTITY, ..part.clone() });
-    (own.transformed(&part.transform), Motion::Moves(own))
-}
-
-/// Splits a draw into pieces small enough for culling and sorting. Files mostly list neighbours together.
-fn parts(draw: &Draw) -> Vec<Draw> {
-    const INDICES: u32 = 3 * 1024;
-    let piece =
-        |first: u32| Draw { first_index: draw.first_index + first, index_count: (draw.index_count - first).min(INDICES), ..draw.clone() };
-    (0..draw.index_count).step_by(INDICES as usize).map(piece).collect()
 }
 
 fn wrapping(wrap: Wrap) -> Wrapping {

@@ -1,6 +1,7 @@
 //! The scene at a frame's time: on the device, animated, with views and lights.
 
 pub mod bent;
+mod buckets;
 pub mod bvh;
 pub mod device;
 pub mod device_bvh;

@@ -75,6 +75,11 @@ fn makes() -> Vec<(&'static str, Make)> {
     moving.animate(1, "scale", "STEP", &[0.5, 1.0], &[1.0, 2.0, 1.0, 0.0, 0.0, 0.0]);
     moving.animate(2, "translation", "CUBICSPLINE", &[0.0, 1.0], spline.as_flattened());
 
+    let mut bending = Make::stretched();
+    bending.influences(1, [[1; 4]; 4], [[0.25; 4]; 4]);
+    bending.target([[0.0, 0.0, 1.0]; 4], Some([[0.0, 0.5, 0.0]; 4]));
+    bending.animate(0, "weights", "CUBICSPLINE", &[0.0, 1.0], &[0.5; 6]);
+
     vec![
         ("square", Make::square()),
         ("strip", strip),
@@ -85,5 +90,6 @@ fn makes() -> Vec<(&'static str, Make)> {
         ("quantized", quantized),
         ("places", places),
         ("moving", moving),
+        ("bending", bending),
     ]
 }

@@ -1,7 +1,7 @@
 //! Adding meshes to the scene's one vertex and one index array, with a draw per node.
 
 use super::accessors::Attribute;
-use super::bends::{BendKey, Bends};
+use super::bends::{BendKey, Bends, number, restore};
 use super::materials::{Materials, Used};
 use super::nodes::PlacedMesh;
 use super::triangles::{make_flat, triangulate};
@@ -315,21 +315,6 @@ impl Builder<'_> {
         }
         Ok(vertices)
     }
-}
-
-/// Puts each vertex's number in place of its colour, and returns the colours. What makes vertices of vertices copies colours alone.
-fn number(vertices: &mut [Vertex]) -> Vec<u32> {
-    vertices.iter_mut().zip(0..).map(|(vertex, number)| std::mem::replace(&mut vertex.color, number)).collect()
-}
-
-/// Gives vertices their colours back, and returns the numbers.
-fn restore(vertices: &mut [Vertex], colors: &[u32]) -> Vec<u32> {
-    let back = |vertex: &mut Vertex| {
-        let number = vertex.color;
-        vertex.color = colors[number as usize];
-        number
-    };
-    vertices.iter_mut().map(back).collect()
 }
 
 /// An attribute of `count` elements; empty if it is missing.

@@ -11,6 +11,7 @@ mod buffers;
 mod container;
 mod geometry;
 mod images;
+mod influences;
 mod lights;
 mod materials;
 mod nodes;
