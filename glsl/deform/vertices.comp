@@ -4,7 +4,7 @@
 // Bends vertices by morph targets, then by joints (glTF 2.0, sections 3.7.2.2 and 3.7.3); src/scene/bend/mod.rs has the formula and the
 // host's twin. A workgroup bends a run of one mesh's vertices.
 #include "lib/packing.glsl"
-#include "part/positions"
+#include "part/positions=deform/positions-none"
 
 layout(local_size_x = 64) in;
 

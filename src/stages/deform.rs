@@ -22,10 +22,8 @@ pub fn vertices<'f>(g: &mut Graph, scene: FrameScene<'f>, residents: &FrameResid
     let pose = g.image("deform/pose", Format::Rgba32Uint, [POSE_COLUMNS, bending.pose.count / POSE_COLUMNS]);
     g.compute("deform/pose").reads("words", bending.pose).writes("pose", pose).dispatch([pose.size[0], pose.size[1], 1]);
     let positions = residents.positions();
-    let part = if positions.is_some() { "deform/positions-kept" } else { "deform/positions-none" };
     let mut pass = g
         .compute("deform/vertices")
-        .part("positions", part)
         .reads("runs", bending.runs)
         .reads("rest", bending.rest)
         .reads("influences", bending.influences)
@@ -33,7 +31,7 @@ pub fn vertices<'f>(g: &mut Graph, scene: FrameScene<'f>, residents: &FrameResid
         .reads("pose", pose)
         .writes("vertices", scene.vertices);
     if let Some(positions) = positions {
-        pass = pass.writes("positions", positions);
+        pass = pass.part("positions", "deform/positions-kept").writes("positions", positions);
     }
     pass.dispatch_groups([bending.runs.count.min(ROW), bending.runs.count.div_ceil(ROW), 1]);
     scene
