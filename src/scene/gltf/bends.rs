@@ -37,12 +37,19 @@ impl BendKey {
 struct Template {
     rest: u32,
     count: u32,
-    /// First influence, and sets a vertex.
-    influences: Option<(u32, u32)>,
-    /// The greatest number of a joint with a weight, and a vertex that it influences.
-    most: (u16, usize),
+    influences: Option<Influenced>,
     /// First displacement, the number of targets, and whether any displaces normals.
     deltas: Option<(u32, usize, bool)>,
+}
+
+/// Influences of joints on a range of vertices.
+#[derive(Clone, Copy)]
+pub(super) struct Influenced {
+    /// First of them in [`Bending::influences`], and sets of four a vertex.
+    pub first: u32,
+    pub fours: u32,
+    /// The greatest number of a joint with a weight, and a vertex that it influences.
+    pub most: (u16, usize),
 }
 
 /// Meshes that bend, under construction.
@@ -120,10 +127,10 @@ impl<'a> Bends<'a> {
         if rest + count > MAX_VERTICES {
             refuse!("with it, the meshes that bend have more than {MAX_VERTICES} vertices");
         }
-        let (influences, most) = self.influences(key, sources, warnings)?;
+        let influences = self.influences(key, sources, warnings)?;
         let deltas = self.deltas(key, &vertices, sources)?;
         self.made.rest.extend(vertices);
-        self.templates.push(Template { rest: rest as u32, count: count as u32, influences, most, deltas });
+        self.templates.push(Template { rest: rest as u32, count: count as u32, influences, deltas });
         Ok(self.templates.len() - 1)
     }
 
@@ -138,10 +145,9 @@ impl<'a> Bends<'a> {
             refuse!("with it, the scene has more than {MAX_VERTICES} vertices");
         }
         let skin = match (placed.skin, template.influences) {
-            (Some(index), Some((influences, fours))) => {
+            (Some(index), Some(Influenced { first: influences, fours, most: (joint, vertex) })) => {
                 let joints = self.skins.get(index);
-                if u32::from(template.most.0) >= joints.count {
-                    let (joint, vertex) = template.most;
+                if u32::from(joint) >= joints.count {
                     refuse!("its vertex {vertex} follows joint {joint}, skin {index} of node {} has {}", placed.node, joints.count);
                 }
                 Some(Skinning { joints: joints.first, influences, fours })

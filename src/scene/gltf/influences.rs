@@ -1,7 +1,7 @@
 //! Influences of joints and displacements of morph targets, from accessors.
 
 use super::accessors::Attribute;
-use super::bends::{BendKey, Bends};
+use super::bends::{BendKey, Bends, Influenced};
 use super::geometry::read;
 use super::{Warning, Warnings, refuse};
 use crate::scene::Vertex;
@@ -18,10 +18,10 @@ impl Bends<'_> {
         key: &BendKey,
         (count, sources): (usize, &[u32]),
         warnings: &mut Warnings,
-    ) -> Result<(Option<(u32, u32)>, (u16, usize))> {
+    ) -> Result<Option<Influenced>> {
         let mut most = (0, 0);
         if key.sets.is_empty() {
-            return Ok((None, most));
+            return Ok(None);
         }
         let mut sets = Vec::new();
         for ([joints, weights], set) in key.sets.iter().zip(0..) {
@@ -54,7 +54,7 @@ impl Bends<'_> {
         if weightless > 0 {
             warnings.add(Warning::Weightless, "some vertices have a skin and no weights: they follow the first of their joints");
         }
-        Ok((Some((first, sets.len() as u32)), most))
+        Ok(Some(Influenced { first, fours: sets.len() as u32, most }))
     }
 
     pub(super) fn deltas(
