@@ -7,8 +7,9 @@
 layout(scalar) writeonly buffer Points { Point at[]; } points;
 layout(scalar) buffer Fill { uint at[]; } fill;
 
-void take(uint k, uint total, Point point, uvec2 hash) {
-    uint part = hashed_index(hash.x, params.partitions);
+void take(uint k, uint total, Point point, uvec4 hash) {
+    uint part = hashed_index(hash.x, params.partitions) - params.first;
+    if (part >= params.held) return;
     uint slot = atomicAdd(fill.at[part], 1u);
     if (slot < params.capacity) points.at[part * params.capacity + slot] = point;
 }

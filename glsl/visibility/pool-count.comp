@@ -6,7 +6,7 @@
 
 layout(scalar) writeonly buffer Counts { uint at[]; } counts;
 
-void take(uint k, uint total, Point point, uvec2 hash) {}
+void take(uint k, uint total, Point point, uvec4 hash) {}
 
 void main() {
     Chunk chunk = chunks.at[gl_WorkGroupID.x];

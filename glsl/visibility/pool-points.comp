@@ -7,7 +7,7 @@
 layout(scalar) readonly buffer Begins { uint at[]; } begins;
 layout(scalar) writeonly buffer Points { Point at[]; } points;
 
-void take(uint k, uint total, Point point, uvec2 hash) {
+void take(uint k, uint total, Point point, uvec4 hash) {
     uint slot = begins.at[gl_WorkGroupID.x] + k;
     if (slot < params.capacity) points.at[slot] = point;
 }

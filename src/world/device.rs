@@ -4,6 +4,7 @@
 //! constants and maps bound once and the shader specialised to its features. Constants and maps are thus uniform in the shader, which saves
 //! a fifth of a map's time on a software driver.
 
+use super::masks::{FrameMasks, Masks};
 use crate::fail;
 use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, VertexLayout, Wrapping};
 use crate::graph::{Buffer, DrawList, Graph, ListBlock, Member, ShaderStruct};
@@ -152,6 +153,8 @@ pub struct DeviceScene {
     /// A white texel, bound in place of missing maps.
     blank: ImageId,
     buckets: Vec<Bucket>,
+    /// Alpha masks for points; `None` without masked materials.
+    masks: Option<Masks>,
 }
 
 /// All of a scene, in parts that a pass can cull.
@@ -174,6 +177,8 @@ pub struct FrameScene<'f> {
     pub vertices: Buffer,
     /// Indices, three a triangle.
     pub indices: Buffer,
+    /// Alpha masks for points; `None` without masked materials.
+    pub masks: Option<FrameMasks>,
 }
 
 impl DeviceScene {
@@ -221,6 +226,7 @@ impl DeviceScene {
             arrays,
             blank: gpu.create_texture_array("scene/blank", Format::Rgba8Unorm, [1, 1], &[&[255; 4]])?,
             buckets,
+            masks: Masks::upload(gpu, scene)?,
         })
     }
 
@@ -246,6 +252,7 @@ impl DeviceScene {
             draws,
             vertices: g.import_buffer::<Vertex>("scene/vertices", self.vertices.0, self.vertices.1),
             indices: g.import_buffer::<u32>("scene/indices", self.indices.0, self.indices.1),
+            masks: self.masks.as_ref().map(|masks| masks.import(g)),
         }
     }
 }
@@ -349,7 +356,7 @@ impl FrameScene<'_> {
             cull_back: !key.double_sided && maps == Maps::All,
             vertex: VERTEX,
             vertices: self.vertices,
-            indices: self.indices,
+            indices: Some(self.indices),
             arguments,
             first,
             count,

@@ -42,6 +42,7 @@ fn points(renderer: &mut Renderer, config: &Config) -> Vec<Point> {
     let pass = match config.visibility.ism.collect {
         Collect::Compute => "visibility/points-computed",
         Collect::Tessellation => "visibility/points-tessellated",
+        Collect::Stored => "visibility/points-stored",
     };
     let rendered = dump(renderer, config, 0, &[pass]);
     let words = |name: &str| -> Vec<u32> { words(dumped(&rendered, name)).collect() };

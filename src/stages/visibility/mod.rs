@@ -1,11 +1,17 @@
 //! Visibility of VPLs from receivers.
 
 mod adaptive;
+mod areas;
+mod density;
 mod ism;
+mod masks;
 mod points;
+mod poses;
 mod pull_push;
 mod ray_traced;
 mod shared;
+mod splat;
+pub mod stored;
 pub mod triangles;
 
 pub use ism::{Ism, partition_capacity};
@@ -63,7 +69,7 @@ impl Choice for Collect {
 
     fn needs(self) -> Needs {
         match self {
-            Self::Compute => NOTHING,
+            Self::Compute | Self::Stored => NOTHING,
             Self::Tessellation => &[&[Feature::TessellationShader, Feature::GeometryShader, Feature::VertexPipelineStores]],
         }
     }
@@ -112,14 +118,28 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     Ok(())
 }
 
+/// Share by which the number of points may miss what was asked for without a warning.
+const MISSED: f64 = 0.25;
+
 /// Warnings about a frame's maps, from its counters.
 pub fn warnings_of_frame(counts: &[(String, u64)]) -> Vec<String> {
-    let warning = |count| {
+    let lost = |count| {
         format!(
             "visibility.ism.capacity: {count} points came to partitions that do not hold as many and were left out; raise it, or leave it to the program"
         )
     };
-    counted(counts, "visibility/dropped-points").filter(|count| *count > 0).map(warning).collect()
+    let missed = |(made, asked): (u64, u64)| {
+        let way = if made > asked {
+            "every triangle has one at least; visibility.ism.thin = true leaves some out"
+        } else {
+            "the scene has few triangles, whose points come in steps; raise it"
+        };
+        format!("visibility.ism.point_count: {asked} points were asked for, and there are {made}: {way}")
+    };
+    let made = counted(counts, "visibility/points").zip(counted(counts, "visibility/asked-points"));
+    let far = made.filter(|(made, asked)| made.abs_diff(*asked) as f64 > MISSED * *asked as f64);
+    let dropped = counted(counts, "visibility/dropped-points").filter(|count| *count > 0);
+    dropped.map(lost).chain(far.map(missed)).collect()
 }
 
 /// VPLs of each bounce with their visibility: by the config's method for the first bounce, by `bounce.visibility` for further ones.

@@ -1,0 +1,122 @@
+//! How many points a triangle is turned into: the largest area of a small triangle, from all areas as they are in the frame. Where no area
+//! changes with time the host knows it. Elsewhere the device works it out in every frame, so that a mesh that grows keeps its share of the
+//! points, and all together stay as many as were asked for.
+
+use super::triangles::ChunkData;
+use crate::graph::{Buffer, ComputePass, DrawList, Graph};
+use crate::shader_struct;
+use crate::stages::surroundings::Surroundings;
+use crate::world::device::{DrawArguments, VERTEX};
+
+shader_struct! {
+    /// `glsl/visibility/sizes.glsl`.
+    pub struct PointSizes {
+        pub max_area: f32,
+    }
+
+    struct AreaBin {
+        count: u32,
+        largest: u32,
+    }
+
+    /// Areas of a chunk's triangles, m^2.
+    struct ChunkArea {
+        sum: f32,
+        largest: f32,
+    }
+
+    struct MaxAreaParams {
+        points: u32,
+        chunks: u32,
+    }
+
+    struct PartsParams {
+        pieces: u32,
+    }
+}
+
+/// `AREA_BINS` of `glsl/visibility/area-bin.glsl`.
+const AREA_BINS: u32 = 4096;
+
+/// Density of points on the triangles.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Density {
+    /// One [`PointSizes`].
+    pub sizes: Buffer,
+    /// Largest area of a small triangle, m^2, if all triangles are as large as they ever are.
+    pub max_area: f32,
+    /// Points of all triangles: the expected number if small triangles are thinned, else an upper bound.
+    pub points: f64,
+    pub thin: bool,
+    /// Areas of the chunks in this frame, where they change.
+    chunk_areas: Option<Buffer>,
+}
+
+/// The density that gives about `points` points.
+pub(super) fn of(g: &mut Graph, around: Surroundings<'_>, points: u32, thin: bool) -> Density {
+    let table = around.residents.triangles().table;
+    let max_area = table.max_area(points, thin);
+    let expected = table.points(max_area, thin);
+    if !table.grows {
+        let sizes = g.upload("visibility/sizes", &[PointSizes { max_area }]);
+        return Density { sizes, max_area, points: expected, thin, chunk_areas: None };
+    }
+    let chunks = table.whole_chunks();
+    let count = chunks.len() as u32;
+    let bins = g.zeroed::<AreaBin>("visibility/area-bins", AREA_BINS);
+    let chunk_areas = g.buffer::<ChunkArea>("visibility/chunk-areas", count);
+    let sizes = g.buffer::<PointSizes>("visibility/sizes", 1);
+    let chunks = g.upload::<ChunkData>("visibility/area-chunks", &chunks);
+    goes_through(g.compute("visibility/areas"), around, chunks)
+        .updates("bins", bins)
+        .writes("chunk_areas", chunk_areas)
+        .dispatch_groups([count, 1, 1]);
+    g.compute("visibility/max-area")
+        .reads("bins", bins)
+        .reads("chunk_areas", chunk_areas)
+        .writes("found", sizes)
+        .constant("THIN", thin)
+        .params(&MaxAreaParams { points, chunks: count })
+        .dispatch_groups([1, 1, 1]);
+    // Triangles of other sizes may be turned into the number asked for where the largest ones cannot.
+    Density { sizes, max_area, points: expected.max(f64::from(points)), thin, chunk_areas: Some(chunk_areas) }
+}
+
+impl Density {
+    /// All triangles as patches to tessellate, without materials and without culling.
+    pub fn patch_list(&self, g: &mut Graph, around: Surroundings<'_>) -> Vec<DrawList> {
+        let patches = around.residents.triangles().table.patches(self.max_area);
+        if patches.is_empty() {
+            return Vec::new();
+        }
+        let arguments: Vec<DrawArguments> = patches.iter().map(|patches| patches.arguments).collect();
+        let arguments = g.upload("visibility/patches", &arguments);
+        if let Some(chunk_areas) = self.chunk_areas {
+            let pieces: Vec<[u32; 2]> = patches.iter().map(|patches| [patches.first_chunk, patches.chunks]).collect();
+            let count = pieces.len() as u32;
+            let pieces = g.upload("visibility/patch-pieces", &pieces);
+            g.compute("visibility/patch-parts")
+                .reads("pieces", pieces)
+                .reads("chunk_areas", chunk_areas)
+                .reads("sizes", self.sizes)
+                .updates("arguments", arguments)
+                .params(&PartsParams { pieces: count })
+                .dispatch([count, 1, 1]);
+        }
+        vec![DrawList::new(VERTEX, [around.scene.vertices, around.scene.indices], arguments)]
+    }
+
+    /// Uploads the triangles in chunks of one workgroup each, and returns their number.
+    pub fn upload_chunks(&self, g: &mut Graph, around: Surroundings<'_>) -> (Buffer, u32) {
+        let chunks = around.residents.triangles().table.chunks(self.max_area);
+        (g.upload::<ChunkData>("visibility/chunks", &chunks), chunks.len() as u32)
+    }
+}
+
+/// Binds the buffers that `glsl/visibility/chunk.glsl` reads.
+pub(super) fn goes_through<'g>(pass: ComputePass<'g>, around: Surroundings<'_>, chunks: Buffer) -> ComputePass<'g> {
+    pass.reads("chunks", chunks)
+        .reads("draws", around.scene.draws)
+        .reads("positions", around.residents.triangles().positions)
+        .reads("indices", around.scene.indices)
+}

@@ -1,0 +1,204 @@
+//! Stored points (Ritschel et al. 2008; Barak et al. 2013, section 5.1): made once on the host, as a triangle and a place in it, 8 bytes each.
+//!
+//! Points are stratified over the running sum of the triangles' areas, so that every triangle has its share of them to within one point.
+//! They follow their triangles: a point stands for the same share of its triangle's area in every pose.
+
+use super::poses::Poses;
+use crate::gpu::{BufferId, Gpu, VertexLayout};
+use crate::graph::{Buffer, Graph};
+use crate::scene::Scene;
+use crate::{shader_struct, vertex_layout};
+use anyhow::Result;
+use rayon::prelude::*;
+
+shader_struct! {
+    /// A stored point: `glsl/visibility/points-stored.comp`.
+    pub struct StoredPoint {
+        /// Index in its segment's triangles.
+        pub triangle: u32,
+        /// Weights of the second and the third corner, 16 bits each; all three sum to 65535.
+        pub weights: u32,
+    }
+
+    /// A triangle that has points: `glsl/visibility/stored.glsl`.
+    pub struct StoredTriangle {
+        /// Indices of its vertices.
+        pub corners: [u32; 3],
+        pub draw: u32,
+        /// Share of the triangle's area that each of its points stands for. It is over 1 where points are fewer than triangles.
+        pub share: f32,
+    }
+}
+
+/// Vertex layout of a point that is drawn.
+pub const RECORD: VertexLayout = vertex_layout!(StoredPoint { triangle: Uint, weights: Uint });
+
+/// Points of a scene. The device owns the buffers.
+pub struct Stored(Vec<Segment>);
+
+/// Points that fit into one buffer, with the triangles that they lie on.
+struct Segment {
+    records: (BufferId, u32),
+    triangles: (BufferId, u32),
+}
+
+/// A segment in one frame's graph.
+#[derive(Debug, Clone, Copy)]
+pub struct FrameSegment {
+    /// [`StoredPoint`]s, in an order that spreads any range of them over all surfaces.
+    pub records: Buffer,
+    /// [`StoredTriangle`]s.
+    pub triangles: Buffer,
+}
+
+impl Stored {
+    /// Makes `count` points of a scene, which stands at second 0 of its animation. No buffer is over `most_bytes`, here or where each point
+    /// becomes one of 16 bytes.
+    ///
+    /// # Errors
+    /// The device's own, when memory runs out.
+    pub fn upload(gpu: &mut Gpu, scene: &Scene, count: u32, most_bytes: u64) -> Result<Self> {
+        let segments = make(scene, count, [most_bytes / 16, most_bytes / size_of::<StoredTriangle>() as u64]);
+        let segments = segments.map(|(records, triangles)| {
+            Ok(Segment {
+                records: (gpu.create_filled_buffer("scene/stored-points", bytemuck::cast_slice(&records))?, records.len() as u32),
+                triangles: (gpu.create_filled_buffer("scene/stored-triangles", bytemuck::cast_slice(&triangles))?, triangles.len() as u32),
+            })
+        });
+        segments.collect::<Result<_>>().map(Self)
+    }
+
+    /// Imports the points into a frame's graph.
+    pub fn import(&self, g: &mut Graph) -> Vec<FrameSegment> {
+        let import = |(number, segment): (u32, &Segment)| {
+            g.again(number, |g| FrameSegment {
+                records: g.import_buffer::<StoredPoint>("scene/stored-points", segment.records.0, segment.records.1),
+                triangles: g.import_buffer::<StoredTriangle>("scene/stored-triangles", segment.triangles.0, segment.triangles.1),
+            })
+        };
+        (1..).zip(&self.0).map(import).collect()
+    }
+}
+
+/// Points and triangles of a segment, as they are stored.
+pub type HostSegment = (Vec<StoredPoint>, Vec<StoredTriangle>);
+
+/// Makes `count` points of a scene in segments, of at most `most` points and triangles. A scene without area has none.
+pub fn make(scene: &Scene, count: u32, most: [u64; 2]) -> impl Iterator<Item = HostSegment> {
+    let (triangles, ends) = triangles_by_area(scene, count);
+    let owners = owners(&ends, count);
+    let begins = cut(&owners, most.map(|most| most.max(1) as usize));
+    let ranges: Vec<_> = begins.windows(2).map(|pair| pair[0]..pair[1]).collect();
+    ranges.into_iter().map(move |range| segment(&triangles, &ends, &owners, range, count))
+}
+
+/// All triangles, and the running sum of the areas that they have when they are largest, with 0 before it.
+fn triangles_by_area(scene: &Scene, count: u32) -> (Vec<StoredTriangle>, Vec<f64>) {
+    let poses = Poses::of(scene);
+    let (mut triangles, mut ends) = (Vec::new(), vec![0.0]);
+    let mut end = 0.0;
+    for (number, draw) in scene.draws.iter().enumerate() {
+        let indices = &scene.indices[draw.first_index as usize..];
+        for (corners, area) in indices.chunks_exact(3).zip(poses.areas(scene, number)) {
+            let corners = [0, 1, 2].map(|k| corners[k] + draw.vertex_offset);
+            end += f64::from(area);
+            ends.push(end);
+            triangles.push(StoredTriangle { corners, draw: number as u32, share: area });
+        }
+    }
+    let each = end / f64::from(count);
+    triangles.par_iter_mut().for_each(|triangle| triangle.share = (each / f64::from(triangle.share)) as f32);
+    (triangles, ends)
+}
+
+/// Place of point `i` of `count` in the running sum that ends at `end`: at random in its own stratum.
+fn place(i: u32, count: u32, end: f64) -> f64 {
+    (f64::from(i) + f64::from(hash(i, 0)) / 4_294_967_296.0) / f64::from(count) * end
+}
+
+/// Triangle of each point.
+fn owners(ends: &[f64], count: u32) -> Vec<u32> {
+    let end = ends[ends.len() - 1];
+    if end <= 0.0 {
+        return Vec::new();
+    }
+    const RUN: usize = 1 << 14;
+    let mut owners = vec![0u32; count as usize];
+    owners.par_chunks_mut(RUN).enumerate().for_each(|(run, owners)| {
+        let first = (run * RUN) as u32;
+        // The last triangle with area whose begin is at or below the place; those without area are passed by.
+        let mut triangle = ends.partition_point(|end| *end <= place(first, count, ends[ends.len() - 1])).clamp(1, ends.len() - 1) - 1;
+        for (owner, i) in owners.iter_mut().zip(first..) {
+            let at = place(i, count, end);
+            while triangle + 2 < ends.len() && ends[triangle + 1] <= at {
+                triangle += 1;
+            }
+            *owner = triangle as u32;
+        }
+    });
+    owners
+}
+
+/// Begins of the segments, and the end of the last one: about equal, with at most so many points and triangles in each.
+fn cut(owners: &[u32], most: [usize; 2]) -> Vec<usize> {
+    let parts = owners.len().div_ceil(most[0]).max(1);
+    let most = [owners.len().div_ceil(parts).max(1), most[1]];
+    let mut begins = vec![0];
+    let (mut begin, mut triangles) = (0, 0);
+    for (i, owner) in owners.iter().enumerate() {
+        let new = usize::from(i == begin || owners[i - 1] != *owner);
+        if i - begin == most[0] || triangles + new > most[1] {
+            begins.push(i);
+            (begin, triangles) = (i, 1);
+        } else {
+            triangles += new;
+        }
+    }
+    begins.extend((!owners.is_empty()).then_some(owners.len()));
+    begins
+}
+
+/// Points of a range, with their own triangles.
+fn segment(all: &[StoredTriangle], ends: &[f64], owners: &[u32], range: std::ops::Range<usize>, count: u32) -> HostSegment {
+    let (owners, first) = (&owners[range.clone()], range.start as u32);
+    let mut triangles = Vec::new();
+    let mut local = Vec::with_capacity(owners.len());
+    for (i, owner) in owners.iter().enumerate() {
+        if i == 0 || owners[i - 1] != *owner {
+            triangles.push(all[*owner as usize]);
+        }
+        local.push(triangles.len() as u32 - 1);
+    }
+    let (length, end) = (owners.len() as u64, ends[ends.len() - 1]);
+    let step = step(length);
+    let record = |k: u64| {
+        let at = (k * step % length) as usize;
+        let i = first + at as u32;
+        let [begin, close] = [0, 1].map(|next| ends[owners[at] as usize + next]);
+        // The place within the triangle's stretch of the running sum is one of two coordinates: they are stratified within the triangle.
+        let across = ((place(i, count, end) - begin) / (close - begin)).clamp(0.0, 1.0).sqrt();
+        let along = f64::from(hash(i, 1)) / 4_294_967_296.0;
+        let weight = |weight: f64| (weight * 65_535.0) as u32;
+        StoredPoint { triangle: local[at], weights: weight(across * (1.0 - along)) | weight(across * along) << 16 }
+    };
+    ((0..length).into_par_iter().map(record).collect(), triangles)
+}
+
+/// Step of the order of `length` points: the golden ratio's share of them, and no divisor in common. Any run of the multiples of such a step
+/// is spread evenly, and so is what one map gets.
+fn step(length: u64) -> u64 {
+    let golden = (length as f64 * 0.618_033_988_749_894_9) as u64;
+    (golden.max(1)..).find(|step| divisor(*step, length) == 1).unwrap_or(1)
+}
+
+fn divisor(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { divisor(b, a % b) }
+}
+
+/// Random bits of a point, in dimension 0 or 1 (Wellons' `lowbias32`).
+fn hash(i: u32, dimension: u32) -> u32 {
+    let mut x = i ^ dimension.wrapping_mul(0x9e37_79b9);
+    x = (x ^ x >> 16).wrapping_mul(0x7feb_352d);
+    x = (x ^ x >> 15).wrapping_mul(0x846c_a68b);
+    x ^ x >> 16
+}
