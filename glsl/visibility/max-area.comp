@@ -62,11 +62,15 @@ void main() {
     float own = 0.0;
     for (uint i = lane; i < params.chunks; i += 256u) own += chunk_areas.at[i].sum;
     float area = max(total(own), 1e-30);
+    if (THIN) {
+        if (lane == 0u) found.at[0].max_area = area / float(params.points);
+        return;
+    }
     // The number of points falls as the area of one rises. Bits of positive floats are in their order.
     uint low = floatBitsToUint(1e-37), high = floatBitsToUint(2.0 * area);
-    for (uint i = 0u; i < 31u && !THIN; i++) {
+    for (uint i = 0u; i < 31u; i++) {
         uint middle = low + (high - low) / 2u;
         if (total(points_of_bins(uintBitsToFloat(middle))) > float(params.points)) low = middle; else high = middle;
     }
-    if (lane == 0u) found.at[0].max_area = THIN ? area / float(params.points) : uintBitsToFloat(high);
+    if (lane == 0u) found.at[0].max_area = uintBitsToFloat(high);
 }

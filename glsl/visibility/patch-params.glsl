@@ -8,4 +8,5 @@ layout(scalar, push_constant) uniform Params {
     uint held;      // partitions in the buffer
     uint capacity;  // points of a partition
     uint seed;
+    uint chunk;     // of the first workgroup
 } params;

@@ -11,7 +11,7 @@ shared uint taken;
 void take(uint k, uint total, Point point, uvec4 hash) { atomicAdd(taken, 1u); }
 
 void main() {
-    Chunk chunk = chunks.at[gl_WorkGroupID.x];
+    Chunk chunk = chunks.at[params.chunk + gl_WorkGroupID.x];
     bool first = gl_LocalInvocationID.x == 0u;
     if (first) taken = 0u;
     barrier();

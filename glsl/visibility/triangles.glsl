@@ -35,6 +35,7 @@ void take(uint k, uint total, Point point, uvec4 hash);
 void go_through(Chunk chunk) {
     bool double_sided = draws.at[chunk.draw].double_sided != 0u;
     uint material = draws.at[chunk.draw].material;
+    bool masked = is_masked(material);
     uint total = count_points(chunk);
     for (uint k = chunk.slice * 64u + gl_LocalInvocationID.x; k < total; k += chunk.slices * 64u) {
         uint triangle = 0u;
@@ -64,7 +65,7 @@ void go_through(Chunk chunk) {
         area = point_area(area * share, sizes.max_area, hash.y, THIN);
         if (area > 0.0) {
             vec3 position = (a * float(place.x) + b * float(place.y) + c * float(place.z)) / float(9u * parts.level);
-            if (is_masked(material)) {
+            if (masked) {
                 uvec3 thirds[3];
                 small_corners(within - sub * each, parts.level, thirds);
                 mat3 whole = mat3(vec3(thirds[0]), vec3(thirds[1]), vec3(thirds[2])) / float(3u * parts.level);

@@ -31,7 +31,7 @@ pub struct IsmConfig {
     pub renderer: IsmRenderer,
     pub collect: Collect,
     pub points: PointSet,
-    /// Points that the scene's triangles are turned into, about: as many as `visibility/points` counts. Those in holes of masked surfaces are
+    /// Points that the scene's triangles are turned into, about: as many as `visibility/made-points` counts. Those in holes of masked surfaces are
     /// among them, and are left out.
     #[schemars(range(min = 1, max = 67_108_864))]
     pub point_count: u32,

@@ -12,6 +12,7 @@ mod flicker;
 mod frames;
 mod functions;
 mod graph;
+mod growth;
 mod importance;
 mod indirect;
 mod ism;
@@ -19,6 +20,7 @@ mod lanes;
 #[path = "../gltf/make.rs"]
 #[allow(dead_code)] // The loader's tests use the rest.
 mod make;
+mod masks;
 mod memory;
 mod points;
 mod reference;
@@ -26,5 +28,6 @@ mod repeat;
 mod sampling;
 mod ssao;
 mod stochastic;
+mod stored;
 mod vertices;
 mod vpls;

@@ -57,7 +57,7 @@ const MOST_CLUSTERS: u32 = 6144;
 pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point_count: u32, collected: u32, thin: bool) -> Points {
     known(g, "visibility/asked-points", point_count);
     let holes = around.scene.masks.map(|_| g.count("visibility/points-in-holes"));
-    let made = g.count("visibility/points");
+    let made = g.count("visibility/made-points");
     let density = density::of(g, around, point_count, thin);
     let table = around.residents.triangles().table;
     // A triangle's points have slots in the pool even if they are thinned out.
@@ -65,15 +65,16 @@ pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point
     let each = most.div_ceil(MOST_CLUSTERS).max(64);
     let clusters = most.div_ceil(each);
     let diagonal = around.scene.bounds().size().length();
-    let (chunks, groups) = density.upload_chunks(g, around);
+    let chunks = density.upload_chunks(g, around);
+    let groups = chunks.count;
     let gaps = thin || holes.is_some();
     let counts = g.buffer::<u32>("visibility/pool-counts", groups);
     let chunk_begins = g.buffer::<u32>("visibility/pool-begins", groups + 1);
     let pool = if gaps { g.zeroed::<Point>("visibility/pool", most) } else { g.buffer::<Point>("visibility/pool", most) };
     let areas = g.buffer::<f32>("visibility/pool-areas", most);
     let cluster_table = g.buffer::<PointCluster>("visibility/pool-clusters", clusters);
-    let params = PointsParams { diagonal, partitions: 1, first: 0, held: 1, capacity: most, seed: around.wants.seed };
-    goes_through(g.compute("visibility/pool-count"), around, chunks)
+    let params = PointsParams { diagonal, partitions: 1, first: 0, held: 1, capacity: most, seed: around.wants.seed, chunk: 0 };
+    goes_through(g.compute("visibility/pool-count"), around, chunks.chunks)
         .reads("sizes", density.sizes)
         .writes("counts", counts)
         .constant("THIN", thin)
@@ -84,14 +85,17 @@ pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point
         .writes("begins", chunk_begins)
         .params(&ScanParams { groups })
         .dispatch_groups([1, 1, 1]);
-    let pass = goes_through(g.compute("visibility/pool-points"), around, chunks);
-    masked!(pass, around, holes)
-        .reads("sizes", density.sizes)
-        .reads("begins", chunk_begins)
-        .writes("points", pool)
-        .constant("THIN", thin)
-        .params(&params)
-        .dispatch_groups([groups, 1, 1]);
+    for (masked, [chunk, groups]) in chunks.parts() {
+        let name = if masked { "visibility/pool-points-masked" } else { "visibility/pool-points" };
+        let pass = goes_through(g.compute(name).shader("visibility/pool-points"), around, chunks.chunks);
+        let pass = if masked { masked!(pass, around, holes) } else { pass };
+        pass.reads("sizes", density.sizes)
+            .reads("begins", chunk_begins)
+            .writes("points", pool)
+            .constant("THIN", thin)
+            .params(&PointsParams { chunk, ..params })
+            .dispatch_groups([groups, 1, 1]);
+    }
     g.compute("visibility/pool-clusters")
         .reads("points", pool)
         .reads("begins", chunk_begins)

@@ -106,10 +106,28 @@ impl Density {
         vec![DrawList::new(VERTEX, [around.scene.vertices, around.scene.indices], arguments)]
     }
 
-    /// Uploads the triangles in chunks of one workgroup each, and returns their number.
-    pub fn upload_chunks(&self, g: &mut Graph, around: Surroundings<'_>) -> (Buffer, u32) {
-        let chunks = around.residents.triangles().table.chunks(self.max_area);
-        (g.upload::<ChunkData>("visibility/chunks", &chunks), chunks.len() as u32)
+    /// Uploads the triangles in chunks of one workgroup each.
+    pub fn upload_chunks(&self, g: &mut Graph, around: Surroundings<'_>) -> Chunks {
+        let (chunks, whole) = around.residents.triangles().table.chunks(self.max_area);
+        Chunks { chunks: g.upload::<ChunkData>("visibility/chunks", &chunks), whole: whole as u32, count: chunks.len() as u32 }
+    }
+}
+
+/// [`ChunkData`] of all chunks: first those without masks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Chunks {
+    pub chunks: Buffer,
+    /// Chunks without masks.
+    pub whole: u32,
+    pub count: u32,
+}
+
+impl Chunks {
+    /// The first chunk and the number of chunks of each dispatch, the masked ones' first. They are apart, since a software driver runs the
+    /// code of masks even where no triangle has one.
+    pub fn parts(&self) -> impl Iterator<Item = (bool, [u32; 2])> {
+        let parts = [(true, [self.whole, self.count - self.whole]), (false, [0, self.whole])];
+        parts.into_iter().filter(|(_, [_, count])| *count > 0)
     }
 }
 

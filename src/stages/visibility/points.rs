@@ -27,6 +27,8 @@ shader_struct! {
         pub held: u32,
         pub capacity: u32,
         pub seed: u32,
+        /// Chunk of the first workgroup.
+        pub chunk: u32,
     }
 
     struct StoredParams {
@@ -65,7 +67,7 @@ pub struct Points {
     pub gaps: bool,
 }
 
-/// Makes the points with the method that the config chooses. Counts `visibility/points`, points of the surfaces, and, where surfaces are
+/// Makes the points with the method that the config chooses. Counts `visibility/made-points`, points of the surfaces, and, where surfaces are
 /// masked, `visibility/points-in-holes`: those of them that were left out.
 pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, config: &VisibilityConfig) -> Vec<Points> {
     known(g, "visibility/asked-points", config.ism.point_count);
@@ -78,7 +80,7 @@ pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, 
     let capacity = partition_capacity(config, density.points, partitions);
     let held = table.most_bytes / (size_of::<Point>() as u64 * u64::from(capacity));
     let held = u32::try_from(held.max(1)).unwrap_or(u32::MAX).min(partitions);
-    let made = g.count("visibility/points");
+    let made = g.count("visibility/made-points");
     let diagonal = around.scene.bounds().size().length();
     let batch = |(number, first): (u32, u32), g: &mut Graph| {
         let held = held.min(partitions - first);
@@ -91,7 +93,7 @@ pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, 
             each: capacity,
             gaps: false,
         };
-        let params = PointsParams { diagonal, partitions, first, held, capacity, seed: around.wants.seed };
+        let params = PointsParams { diagonal, partitions, first, held, capacity, seed: around.wants.seed, chunk: 0 };
         // Every batch goes through all triangles, and the first one counts.
         let counted = holes.filter(|_| number == 1);
         match config.ism.collect {
@@ -111,15 +113,18 @@ pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, 
 
 /// Points by a compute shader: an invocation a point.
 fn computed(g: &mut Graph, around: Surroundings<'_>, points: Points, params: &PointsParams, density: &Density, holes: Option<Buffer>) {
-    let (chunks, groups) = density.upload_chunks(g, around);
-    let pass = goes_through(g.compute("visibility/points-computed"), around, chunks);
-    masked!(pass, around, holes)
-        .reads("sizes", density.sizes)
-        .writes("points", points.points)
-        .updates("fill", points.fill)
-        .constant("THIN", density.thin)
-        .params(params)
-        .dispatch_groups([groups, 1, 1]);
+    let chunks = density.upload_chunks(g, around);
+    for (masked, [chunk, groups]) in chunks.parts() {
+        let name = if masked { "visibility/points-computed-masked" } else { "visibility/points-computed" };
+        let pass = goes_through(g.compute(name).shader("visibility/points-computed"), around, chunks.chunks);
+        let pass = if masked { masked!(pass, around, holes) } else { pass };
+        pass.reads("sizes", density.sizes)
+            .writes("points", points.points)
+            .updates("fill", points.fill)
+            .constant("THIN", density.thin)
+            .params(&PointsParams { chunk, ..*params })
+            .dispatch_groups([groups, 1, 1]);
+    }
 }
 
 /// The thesis's method: the tessellator subdivides, and the geometry stage makes the points.
@@ -139,7 +144,7 @@ fn tessellated(g: &mut Graph, around: Surroundings<'_>, points: Points, params: 
 /// Stored points (Barak et al. 2013, section 5.1): made once, and moved with their triangles. Their order spreads any range of them over
 /// all surfaces, so that a partition is a range.
 fn stored(g: &mut Graph, around: Surroundings<'_>, partitions: u32, count: u32, holes: Option<Buffer>) -> Vec<Points> {
-    known(g, "visibility/points", count);
+    known(g, "visibility/made-points", count);
     let diagonal = around.scene.bounds().size().length();
     let segment = |(number, segment): (u32, FrameSegment), g: &mut Graph| {
         let count = segment.records.count;

@@ -43,7 +43,7 @@ shader_struct! {
 /// Default growth of radii: see the others in `ism`.
 const SPLAT_ENLARGE: f32 = 0.9;
 
-/// Draws the points of the config's choice into the maps. Counts `visibility/points`.
+/// Draws the points of the config's choice into the maps. Counts `visibility/made-points`.
 pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
     let [columns, rows] = layout(vpls.count);
     let size = [columns * config.ism.map_size, rows * config.ism.map_size];
@@ -63,7 +63,7 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, confi
     known(g, "visibility/asked-points", config.ism.point_count);
     match config.ism.collect {
         Collect::Stored => {
-            known(g, "visibility/points", config.ism.point_count);
+            known(g, "visibility/made-points", config.ism.point_count);
             for (number, segment) in (1..).zip(around.residents.stored(g, config.ism.point_count)) {
                 g.again(number, |g| stored(g, around, vpls, config, block, splats, (number, segment)));
             }
@@ -84,7 +84,7 @@ fn tessellated(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &Vi
     let patches = density.patch_list(g, around);
     let diagonal = around.scene.bounds().size().length();
     let (partitions, seed) = (vpls.count, around.wants.seed);
-    let params = PointsParams { diagonal, partitions, first: 0, held: partitions, capacity: 0, seed };
+    let params = PointsParams { diagonal, partitions, first: 0, held: partitions, capacity: 0, seed, chunk: 0 };
     // A geometry stage that may emit many points is slow even where it emits one.
     let most = if collected(config, vpls.count) > 1 { "visibility/most-several" } else { "visibility/most-one" };
     let pass = g.raster("visibility/splat").part("most", most);
@@ -100,14 +100,14 @@ fn tessellated(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &Vi
         .params(&params)
         .depth(splats)
         .draw(patches);
-    let made = g.count("visibility/points");
-    let (chunks, groups) = density.upload_chunks(g, around);
-    goes_through(g.compute("visibility/points-counted"), around, chunks)
+    let made = g.count("visibility/made-points");
+    let chunks = density.upload_chunks(g, around);
+    goes_through(g.compute("visibility/points-counted"), around, chunks.chunks)
         .reads("sizes", density.sizes)
         .updates("made", made)
         .constant("THIN", config.ism.thin)
         .params(&params)
-        .dispatch_groups([groups, 1, 1]);
+        .dispatch_groups([chunks.count, 1, 1]);
 }
 
 /// Squares of one segment of stored points.

@@ -57,6 +57,8 @@ struct Chunk {
     /// Area of all its triangles, and of the largest, m^2.
     area: f32,
     largest: f32,
+    /// Whether its material has an alpha mask.
+    masked: bool,
 }
 
 /// The triangles in one frame's graph.
@@ -98,6 +100,7 @@ impl Triangles {
         let poses = Poses::of(scene);
         let (mut chunks, mut areas) = (Vec::new(), Areas::default());
         for (number, draw) in scene.draws.iter().enumerate() {
+            let masked = scene.materials[draw.material as usize].alpha_cutoff.is_some();
             for (i, triangles) in poses.areas(scene, number).chunks(CHUNK as usize).enumerate() {
                 triangles.iter().for_each(|area| areas.add(*area));
                 let data = ChunkData {
@@ -108,9 +111,11 @@ impl Triangles {
                     slice: 0,
                     slices: 1,
                 };
-                chunks.push(Chunk { data, area: triangles.iter().sum(), largest: triangles.iter().copied().fold(0.0, f32::max) });
+                let largest = triangles.iter().copied().fold(0.0, f32::max);
+                chunks.push(Chunk { data, area: triangles.iter().sum(), largest, masked });
             }
         }
+        chunks.sort_by_key(|chunk| chunk.masked);
         Ok(Self {
             positions: gpu.create_filled_buffer("scene/positions", bytemuck::cast_slice(&positions))?,
             vertex_count: positions.len() as u32,
@@ -126,15 +131,20 @@ impl Triangles {
         FrameTriangles { table: self, positions: g.import_buffer::<[f32; 3]>("scene/positions", self.positions, self.vertex_count) }
     }
 
-    /// Chunks for `max_area`, one element a workgroup; a chunk that gives many points is shared by several workgroups.
-    pub fn chunks(&self, max_area: f32) -> Vec<ChunkData> {
+    /// Chunks for `max_area`, one element a workgroup; a chunk that gives many points is shared by several workgroups. Chunks with masks come
+    /// last, and the number of the others' elements is returned too.
+    pub fn chunks(&self, max_area: f32) -> (Vec<ChunkData>, usize) {
         let slices = |chunk: &Chunk| {
             let points = f64::from(chunk.data.triangles) + 1.5 * f64::from(chunk.area) / f64::from(max_area);
             let slices = (points / POINTS_A_GROUP).ceil().clamp(1.0, 4096.0) as u32;
             let chunk = chunk.data;
             (0..slices).map(move |slice| ChunkData { slice, slices, ..chunk })
         };
-        self.chunks.iter().flat_map(slices).collect()
+        let (whole, masked) = self.chunks.split_at(self.chunks.partition_point(|chunk| !chunk.masked));
+        let mut all: Vec<ChunkData> = whole.iter().flat_map(slices).collect();
+        let count = all.len();
+        all.extend(masked.iter().flat_map(slices));
+        (all, count)
     }
 
     /// All chunks, one element each.
