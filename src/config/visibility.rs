@@ -226,7 +226,12 @@ impl VisibilityConfig {
             let alone =
                 if config.visibility.method == VisibilityMethod::ImperfectShadowMaps { "vpls.sampler" } else { "visibility.method" };
             let unshared = || Unused::new(&["visibility.ism.shared_maps"], &[alone]);
-            return config.shared_maps().is_none().then(unshared).into_iter().collect();
+            let mut unused: Vec<Unused> = config.shared_maps().is_none().then(unshared).into_iter().collect();
+            if config.visibility.ism.collect == Collect::Stored {
+                // There are as many as asked for, in buffers of that size.
+                unused.push(Unused::new(&["visibility.ism.thin", "visibility.ism.capacity"], &["visibility.ism.collect"]));
+            }
+            return unused;
         }
         let mut keys = vec!["visibility.ism"];
         if all().all(|method| method != VisibilityMethod::Clusters) {

@@ -157,6 +157,8 @@ fn bytes_repeat_whatever_the_points_and_the_renderer() {
         (PointSet::Uniform, Collect::Tessellation, IsmRenderer::SinglePixel),
         (PointSet::Adaptive, Collect::Compute, IsmRenderer::SinglePixel),
         (PointSet::Uniform, Collect::Compute, IsmRenderer::Splat),
+        (PointSet::Uniform, Collect::Stored, IsmRenderer::SinglePixel),
+        (PointSet::Uniform, Collect::Stored, IsmRenderer::Splat),
     ] {
         let mut config = config.clone();
         (config.visibility.ism.points, config.visibility.ism.collect, config.visibility.ism.renderer) = (points, collect, kind);

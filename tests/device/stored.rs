@@ -187,7 +187,7 @@ fn relmse(test: &[Vec3], truth: &[Vec3]) -> f64 {
 }
 
 #[test]
-fn the_maps_of_all_ways_err_alike() {
+fn the_maps_of_all_ways_err_alike_and_those_of_stored_points_no_more() {
     let scene = SceneConfig { builtin: Some(Builtin::Atrium), triangles: 20_000, ..SceneConfig::default() };
     let mut renderer = traced(load_scene(&scene).unwrap().0);
     let mut config = Config { scene, ..Config::default() };
@@ -213,8 +213,11 @@ fn the_maps_of_all_ways_err_alike() {
             }
         }
         println!("{renders:?}: {ways:?} {errors:?}");
-        let (least, most) = errors.iter().fold((f64::INFINITY, 0.0f64), |(least, most), e| (least.min(*e), most.max(*e)));
-        assert!(most <= 1.1 * least, "{renders:?}: {ways:?} {errors:?}");
+        // The points of a map are random where they are made anew, and spread evenly where they are stored.
+        let anew = &errors[..errors.len() - 1];
+        let (least, most) = anew.iter().fold((f64::INFINITY, 0.0f64), |(least, most), e| (least.min(*e), most.max(*e)));
+        let stored = errors[errors.len() - 1];
+        assert!(most <= 1.1 * least && stored <= 1.1 * least && stored >= 0.7 * least, "{renders:?}: {ways:?} {errors:?}");
     }
     finish(renderer.gpu());
 }

@@ -61,7 +61,7 @@ pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point
     let density = density::of(g, around, point_count, thin);
     let table = around.residents.triangles().table;
     // A triangle's points have slots in the pool even if they are thinned out.
-    let most = if thin { table.points(density.max_area, false) } else { density.points } as u32 + 1024;
+    let most = if thin { table.slots(point_count) } else { density.points } as u32 + 1024;
     let each = most.div_ceil(MOST_CLUSTERS).max(64);
     let clusters = most.div_ceil(each);
     let diagonal = around.scene.bounds().size().length();

@@ -169,11 +169,9 @@ fn segment(all: &[StoredTriangle], ends: &[f64], owners: &[u32], range: std::ops
         }
         local.push(triangles.len() as u32 - 1);
     }
-    let (length, end) = (owners.len() as u64, ends[ends.len() - 1]);
-    let step = step(length);
-    let record = |k: u64| {
-        let at = (k * step % length) as usize;
-        let i = first + at as u32;
+    let end = ends[ends.len() - 1];
+    let record = |at: u32| {
+        let (i, at) = (first + at, at as usize);
         let [begin, close] = [0, 1].map(|next| ends[owners[at] as usize + next]);
         // The place within the triangle's stretch of the running sum is one of two coordinates: they are stratified within the triangle.
         let across = ((place(i, count, end) - begin) / (close - begin)).clamp(0.0, 1.0).sqrt();
@@ -181,18 +179,21 @@ fn segment(all: &[StoredTriangle], ends: &[f64], owners: &[u32], range: std::ops
         let weight = |weight: f64| (weight * 65_535.0) as u32;
         StoredPoint { triangle: local[at], weights: weight(across * (1.0 - along)) | weight(across * along) << 16 }
     };
-    ((0..length).into_par_iter().map(record).collect(), triangles)
+    (order(owners.len() as u32).map(record).collect(), triangles)
 }
 
-/// Step of the order of `length` points: the golden ratio's share of them, and no divisor in common. Any run of the multiples of such a step
-/// is spread evenly, and so is what one map gets.
-fn step(length: u64) -> u64 {
-    let golden = (length as f64 * 0.618_033_988_749_894_9) as u64;
-    (golden.max(1)..).find(|step| divisor(*step, length) == 1).unwrap_or(1)
-}
-
-fn divisor(a: u64, b: u64) -> u64 {
-    if b == 0 { a } else { divisor(b, a % b) }
+/// Order of `length` points: their radical inverse in base 2, scrambled (Owen 1995, by the hash of Burley 2020). Any run of it has a point in
+/// each of as many equal strata, at random, and so has what one map gets. An order with an even step would beat with the rows of a mesh.
+fn order(length: u32) -> impl ParallelIterator<Item = u32> {
+    let bits = length.next_power_of_two().ilog2();
+    let inverse = move |i: u32| {
+        let mut x = i ^ i.wrapping_mul(0x3d20_adea);
+        x = x.wrapping_add(0x68bc_21eb).wrapping_mul(0x02e5_be93);
+        x ^= x.wrapping_mul(0x0552_6c56);
+        x ^= x.wrapping_mul(0x53a2_2864);
+        (u64::from(x.reverse_bits()) >> (32 - bits)) as u32
+    };
+    (0..1u32 << bits).into_par_iter().map(inverse).filter(move |at| *at < length)
 }
 
 /// Random bits of a point, in dimension 0 or 1 (Wellons' `lowbias32`).

@@ -189,6 +189,17 @@ impl Triangles {
         self.areas.max_area(f64::from(points), thin)
     }
 
+    /// Slots that points take before small triangles are thinned out, if `points` are left, at most.
+    pub fn slots(&self, points: u32) -> f64 {
+        let max_area = self.max_area(points, true);
+        if !self.grows {
+            return self.points(max_area, false);
+        }
+        // A triangle just over the largest area has six small ones.
+        let triangles: u32 = self.chunks.iter().map(|chunk| chunk.data.triangles).sum();
+        f64::from(triangles) + 6.0 * f64::from(points)
+    }
+
     /// Points that `max_area` gives: the expected number if small triangles are thinned, else an upper bound.
     pub fn points(&self, max_area: f32, thin: bool) -> f64 {
         self.areas.points(max_area, thin)
