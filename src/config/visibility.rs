@@ -31,8 +31,8 @@ pub struct IsmConfig {
     pub renderer: IsmRenderer,
     pub collect: Collect,
     pub points: PointSet,
-    /// Points that the scene's triangles are turned into, about: as many as `visibility/made-points` counts. Those in holes of masked surfaces are
-    /// among them, and are left out.
+    /// Points of the scene's surfaces, about; `visibility/made-points` is their number. Points in the holes of masked surfaces are among them,
+    /// and are left out of the maps.
     #[schemars(range(min = 1, max = 67_108_864))]
     pub point_count: u32,
     /// Leaves out small triangles at random, so that every point stands for the same area. Otherwise every triangle has a point at least.
@@ -134,8 +134,7 @@ pub enum Collect {
     Compute,
     /// By the tessellator.
     Tessellation,
-    /// Once, when the scene is brought to the device: as many as asked for, kept as places in triangles, and moved with these. It takes 8
-    /// bytes a point.
+    /// Once, when the scene is brought to the device: exactly `point_count` places in triangles, which move with these.
     Stored,
 }
 

@@ -83,12 +83,13 @@ pub(super) fn of(g: &mut Graph, around: Surroundings<'_>, points: u32, thin: boo
 }
 
 impl Density {
-    /// All triangles as patches to tessellate, without materials and without culling.
-    pub fn patch_list(&self, g: &mut Graph, around: Surroundings<'_>) -> Vec<DrawList> {
+    /// All triangles as patches to tessellate, without culling: those with masks, if there are any, and then those without.
+    pub fn patch_lists(&self, g: &mut Graph, around: Surroundings<'_>) -> Vec<(bool, Vec<DrawList>)> {
         let patches = around.residents.triangles().table.patches(self.max_area);
         if patches.is_empty() {
-            return Vec::new();
+            return vec![(false, Vec::new())];
         }
+        let whole = patches.iter().filter(|patches| !patches.masked).count() as u32;
         let arguments: Vec<DrawArguments> = patches.iter().map(|patches| patches.arguments).collect();
         let arguments = g.upload("visibility/patches", &arguments);
         if let Some(chunk_areas) = self.chunk_areas {
@@ -103,7 +104,9 @@ impl Density {
                 .params(&PartsParams { pieces: count })
                 .dispatch([count, 1, 1]);
         }
-        vec![DrawList::new(VERTEX, [around.scene.vertices, around.scene.indices], arguments)]
+        let all = DrawList::new(VERTEX, [around.scene.vertices, around.scene.indices], arguments);
+        let parts = [(true, whole, all.count - whole), (false, 0, whole)].into_iter().filter(|(.., count)| *count > 0);
+        parts.map(|(masked, first, count)| (masked, vec![DrawList { first, count, ..all.clone() }])).collect()
     }
 
     /// Uploads the triangles in chunks of one workgroup each.

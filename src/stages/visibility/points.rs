@@ -79,7 +79,8 @@ pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, 
     let density = density::of(g, around, config.ism.point_count, config.ism.thin);
     let capacity = partition_capacity(config, density.points, partitions);
     let held = table.most_bytes / (size_of::<Point>() as u64 * u64::from(capacity));
-    let held = u32::try_from(held.max(1)).unwrap_or(u32::MAX).min(partitions);
+    let batches = u64::from(partitions).div_ceil(held.max(1)) as u32;
+    let held = partitions.div_ceil(batches);
     let made = g.count("visibility/made-points");
     let diagonal = around.scene.bounds().size().length();
     let batch = |(number, first): (u32, u32), g: &mut Graph| {
@@ -129,16 +130,18 @@ fn computed(g: &mut Graph, around: Surroundings<'_>, points: Points, params: &Po
 
 /// The thesis's method: the tessellator subdivides, and the geometry stage makes the points.
 fn tessellated(g: &mut Graph, around: Surroundings<'_>, points: Points, params: &PointsParams, density: &Density, holes: Option<Buffer>) {
-    let patches = density.patch_list(g, around);
-    let pass = g.raster("visibility/points-tessellated");
-    masked!(pass, around, holes)
-        .reads("draws", around.scene.draws)
-        .reads("sizes", density.sizes)
-        .writes("points", points.points)
-        .updates("fill", points.fill)
-        .constant("THIN", density.thin)
-        .params(params)
-        .draw(patches);
+    for (masked, patches) in density.patch_lists(g, around) {
+        let name = if masked { "visibility/points-tessellated-masked" } else { "visibility/points-tessellated" };
+        let pass = g.raster(name).shader("visibility/points-tessellated");
+        let pass = if masked { masked!(pass, around, holes) } else { pass };
+        pass.reads("draws", around.scene.draws)
+            .reads("sizes", density.sizes)
+            .writes("points", points.points)
+            .updates("fill", points.fill)
+            .constant("THIN", density.thin)
+            .params(params)
+            .draw(patches);
+    }
 }
 
 /// Stored points (Barak et al. 2013, section 5.1): made once, and moved with their triangles. Their order spreads any range of them over

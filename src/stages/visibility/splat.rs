@@ -81,25 +81,30 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, confi
 /// Squares directly from the tessellator.
 fn tessellated(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig, block: Buffer, splats: Image) {
     let density = density::of(g, around, config.ism.point_count, config.ism.thin);
-    let patches = density.patch_list(g, around);
     let diagonal = around.scene.bounds().size().length();
     let (partitions, seed) = (vpls.count, around.wants.seed);
     let params = PointsParams { diagonal, partitions, first: 0, held: partitions, capacity: 0, seed, chunk: 0 };
     // A geometry stage that may emit many points is slow even where it emits one.
     let most = if collected(config, vpls.count) > 1 { "visibility/most-several" } else { "visibility/most-one" };
-    let pass = g.raster("visibility/splat").part("most", most);
-    masked!(pass, around, None::<Buffer>)
-        .reads("draws", around.scene.draws)
-        .reads("sizes", density.sizes)
-        .reads("places", vpls.places)
-        .reads("splat", block)
-        .constant("THIN", config.ism.thin)
-        .constant("MAP_SIZE", config.ism.map_size)
-        .constant("DISTORTION", config.ism.distortion)
-        .constant("CLAMP", config.ism.clamp)
-        .params(&params)
-        .depth(splats)
-        .draw(patches);
+    let mut first = true;
+    for (masked, patches) in density.patch_lists(g, around) {
+        let name = if masked { "visibility/splat-masked" } else { "visibility/splat" };
+        let pass = g.raster(name).shader("visibility/splat").part("most", most);
+        let pass = if masked { masked!(pass, around, None::<Buffer>) } else { pass };
+        let pass = pass
+            .reads("draws", around.scene.draws)
+            .reads("sizes", density.sizes)
+            .reads("places", vpls.places)
+            .reads("splat", block)
+            .constant("THIN", config.ism.thin)
+            .constant("MAP_SIZE", config.ism.map_size)
+            .constant("DISTORTION", config.ism.distortion)
+            .constant("CLAMP", config.ism.clamp)
+            .params(&params);
+        let pass = if first { pass.depth(splats) } else { pass.depth_over(splats) };
+        pass.draw(patches);
+        first = false;
+    }
     let made = g.count("visibility/made-points");
     let chunks = density.upload_chunks(g, around);
     goes_through(g.compute("visibility/points-counted"), around, chunks.chunks)

@@ -75,6 +75,8 @@ pub struct Patches {
     /// The chunks that they are.
     pub first_chunk: u32,
     pub chunks: u32,
+    /// Whether their material has an alpha mask.
+    pub masked: bool,
 }
 
 impl Triangles {
@@ -153,11 +155,11 @@ impl Triangles {
     }
 
     /// All triangles as patches, with an instance for each part that the largest of them is split into. Where areas change, the instances
-    /// are those of the largest areas, and draws are smaller, so that few patches stand by for the parts of another.
+    /// are those of the largest areas, and draws are smaller, so that few patches stand by for the parts of another. Masked ones come last.
     pub fn patches(&self, max_area: f32) -> Vec<Patches> {
         let most = if self.grows { MOST_DRAWN_GROWING } else { MOST_DRAWN };
         let mut draws: Vec<Patches> = Vec::new();
-        for (i, Chunk { data, largest, .. }) in self.chunks.iter().enumerate() {
+        for (i, Chunk { data, largest, masked, .. }) in self.chunks.iter().enumerate() {
             // The device's rounding may make it one part more.
             let split = subdivision(f64::from(*largest) * 1.001, f64::from(max_area)).0 as u32;
             let arguments = DrawArguments {
@@ -177,7 +179,7 @@ impl Triangles {
                     last.index_count += arguments.index_count;
                     *chunks += 1;
                 }
-                _ => draws.push(Patches { arguments, first_chunk: i as u32, chunks: 1 }),
+                _ => draws.push(Patches { arguments, first_chunk: i as u32, chunks: 1, masked: *masked }),
             }
         }
         draws
