@@ -69,7 +69,7 @@ fn config() -> Config {
     config.frame.fps = 2.0;
     config.rsm.size = [128, 128];
     config.vpls.count = 256;
-    config.gather.interleave = 2;
+    config.gather.interleave = 2.into();
     config.visibility.ism.point_count = 80_000;
     config
 }

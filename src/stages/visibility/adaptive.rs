@@ -3,7 +3,7 @@
 
 use super::density::{self, goes_through};
 use super::masks::masked;
-use super::points::{Point, Points, PointsParams, known, total};
+use super::points::{Point, Points, PointsParams, total};
 use crate::graph::Graph;
 use crate::shader_struct;
 use crate::stages::surroundings::Surroundings;
@@ -55,7 +55,7 @@ const MOST_CLUSTERS: u32 = 6144;
 /// Draws `point_count * collected` points in all for the VPLs' maps, from a pool of about `point_count` different ones. `thin` thins out
 /// the points of small triangles by Russian roulette.
 pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point_count: u32, collected: u32, thin: bool) -> Points {
-    known(g, "visibility/asked-points", point_count);
+    g.tell("visibility/asked-points", u64::from(point_count));
     let holes = around.scene.masks.map(|_| g.count("visibility/points-in-holes"));
     let made = g.count("visibility/made-points");
     let density = density::of(g, around, point_count, thin);

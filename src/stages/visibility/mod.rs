@@ -20,10 +20,10 @@ pub use shared::MOST_TEXELS_A_MAP;
 
 use super::bounce::{Bounce, VplClusters};
 use super::facts::Facts;
-use super::methods::{Choice, NOTHING, Needs};
+use super::methods::{Choice, Method, NOTHING, Needs};
 use super::surroundings::Surroundings;
 use super::vpls::Vpls;
-use crate::config::{Collect, Config, IsmRenderer, Lookup, PointSet, VisibilityConfig, VisibilityMethod};
+use crate::config::{Collect, Config, IsmConfig, IsmRenderer, Lookup, PointSet, VisibilityConfig, VisibilityMethod};
 use crate::fail;
 use crate::gpu::Feature;
 use crate::graph::{Buffer, Graph, Image, counted};
@@ -83,6 +83,14 @@ impl Choice for IsmRenderer {
             Self::SinglePixel => NOTHING,
             Self::Splat => &[&[Feature::TessellationShader, Feature::GeometryShader, Feature::LargePoints]],
         }
+    }
+}
+
+/// The renderer of imperfect shadow maps, with the features it needs. Splats of stored points need no tessellator.
+pub fn renderer(ism: &IsmConfig) -> Method {
+    match (ism.renderer, ism.collect) {
+        (IsmRenderer::Splat, Collect::Stored) => Method::only(IsmRenderer::KEY, "splat", &[&[Feature::LargePoints]]),
+        (renderer, _) => Method::of(renderer),
     }
 }
 

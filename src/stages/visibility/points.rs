@@ -39,10 +39,6 @@ shader_struct! {
     struct TotalParams {
         count: u32,
     }
-
-    struct KnownParams {
-        number: u32,
-    }
 }
 
 /// Workgroups across a dispatch, at most: what every device has.
@@ -70,7 +66,7 @@ pub struct Points {
 /// Makes the points with the method that the config chooses. Counts `visibility/made-points`, points of the surfaces, and, where surfaces are
 /// masked, `visibility/points-in-holes`: those of them that were left out.
 pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, config: &VisibilityConfig) -> Vec<Points> {
-    known(g, "visibility/asked-points", config.ism.point_count);
+    g.tell("visibility/asked-points", u64::from(config.ism.point_count));
     let holes = around.scene.masks.map(|_| g.count("visibility/points-in-holes"));
     if config.ism.collect == Collect::Stored {
         return stored(g, around, partitions, config.ism.point_count, holes);
@@ -147,7 +143,7 @@ fn tessellated(g: &mut Graph, around: Surroundings<'_>, points: Points, params: 
 /// Stored points (Barak et al. 2013, section 5.1): made once, and moved with their triangles. Their order spreads any range of them over
 /// all surfaces, so that a partition is a range.
 fn stored(g: &mut Graph, around: Surroundings<'_>, partitions: u32, count: u32, holes: Option<Buffer>) -> Vec<Points> {
-    known(g, "visibility/made-points", count);
+    g.tell("visibility/made-points", u64::from(count));
     let diagonal = around.scene.bounds().size().length();
     let segment = |(number, segment): (u32, FrameSegment), g: &mut Graph| {
         let count = segment.records.count;
@@ -182,13 +178,6 @@ fn stored(g: &mut Graph, around: Surroundings<'_>, partitions: u32, count: u32, 
 pub(super) fn turn(seed: u32, segment: u32, partitions: u32) -> u32 {
     let turned = seed.wrapping_mul(0x9e37_79b1).wrapping_add((segment - 1).wrapping_mul(0x85eb_ca6b));
     (u64::from(turned) * u64::from(partitions) >> 32) as u32
-}
-
-/// Writes a number into a counter.
-pub(super) fn known(g: &mut Graph, name: &'static str, number: u32) {
-    let known = g.count(name);
-    let pass = g.compute(name).shader("visibility/points-known");
-    pass.writes("known", known).params(&KnownParams { number }).dispatch_groups([1, 1, 1]);
 }
 
 /// Adds all numbers of a buffer to a counter.

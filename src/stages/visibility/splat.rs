@@ -4,7 +4,7 @@ use super::VisibilityConfig;
 use super::density::{self, goes_through};
 use super::ism::{ClearParams, collected, considered, layout};
 use super::masks::masked;
-use super::points::{PointsParams, known, turn};
+use super::points::{PointsParams, turn};
 use super::stored::{FrameSegment, RECORD};
 use crate::config::Collect;
 use crate::gpu::Format;
@@ -60,10 +60,10 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, confi
             enlarge: config.ism.enlarge.unwrap_or(SPLAT_ENLARGE),
         }],
     );
-    known(g, "visibility/asked-points", config.ism.point_count);
+    g.tell("visibility/asked-points", u64::from(config.ism.point_count));
     match config.ism.collect {
         Collect::Stored => {
-            known(g, "visibility/made-points", config.ism.point_count);
+            g.tell("visibility/made-points", u64::from(config.ism.point_count));
             for (number, segment) in (1..).zip(around.residents.stored(g, config.ism.point_count)) {
                 g.again(number, |g| stored(g, around, vpls, config, block, splats, (number, segment)));
             }
