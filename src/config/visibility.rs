@@ -227,8 +227,8 @@ impl VisibilityConfig {
             let unshared = || Unused::new(&["visibility.ism.shared_maps"], &[alone]);
             let mut unused: Vec<Unused> = config.shared_maps().is_none().then(unshared).into_iter().collect();
             if config.visibility.ism.collect == Collect::Stored {
-                // There are as many as asked for, in buffers of that size.
-                unused.push(Unused::new(&["visibility.ism.thin", "visibility.ism.capacity"], &["visibility.ism.collect"]));
+                // Their number is known, and so is each partition's.
+                unused.push(Unused::new(&["visibility.ism.capacity"], &["visibility.ism.collect"]));
             }
             return unused;
         }

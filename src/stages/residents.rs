@@ -16,8 +16,8 @@ use std::collections::BTreeMap;
 pub struct Residents {
     shells: Option<Shells>,
     triangles: Option<Triangles>,
-    /// Stored points by their number.
-    stored: BTreeMap<u32, Stored>,
+    /// Stored points by their number, and whether they are thinned.
+    stored: BTreeMap<(u32, bool), Stored>,
 }
 
 impl Residents {
@@ -32,12 +32,13 @@ impl Residents {
         if self.triangles.is_none() && triangles::needs_triangles(config) {
             self.triangles = Some(Triangles::upload(gpu, at_rest)?);
         }
-        let (count, wanted) = (config.visibility.ism.point_count, config.visibility.ism.collect == Collect::Stored);
+        let ism = &config.visibility.ism;
+        let (count, thin, wanted) = (ism.point_count, ism.thin, ism.collect == Collect::Stored);
         if let Some(triangles) = self.triangles.as_ref().filter(|_| wanted && triangles::needs_triangles(config))
-            && !self.stored.contains_key(&count)
+            && !self.stored.contains_key(&(count, thin))
         {
             let _span = trace::span("storing points");
-            self.stored.insert(count, Stored::upload(gpu, at_rest, count, triangles.most_bytes)?);
+            self.stored.insert((count, thin), Stored::upload(gpu, at_rest, count, thin, triangles.most_bytes)?);
         }
         Ok(())
     }
@@ -57,7 +58,7 @@ impl Residents {
 pub struct FrameResidents<'f> {
     shells: Option<FrameShells<'f>>,
     triangles: Option<FrameTriangles<'f>>,
-    stored: &'f BTreeMap<u32, Stored>,
+    stored: &'f BTreeMap<(u32, bool), Stored>,
 }
 
 impl<'f> FrameResidents<'f> {
@@ -72,7 +73,7 @@ impl<'f> FrameResidents<'f> {
     }
 
     /// Stored points of this number, in the segments that buffers hold.
-    pub fn stored(&self, g: &mut Graph, count: u32) -> Vec<FrameSegment> {
-        self.stored.get(&count).unwrap_or_else(|| unreachable!("points are stored where a config wants them")).import(g)
+    pub fn stored(&self, g: &mut Graph, count: u32, thin: bool) -> Vec<FrameSegment> {
+        self.stored.get(&(count, thin)).unwrap_or_else(|| unreachable!("points are stored where a config wants them")).import(g)
     }
 }

@@ -46,9 +46,10 @@ const ALL: u64 = u64::MAX;
 fn every_triangle_has_its_share_of_the_stored_points() {
     let scene = globe();
     let surface = surface(&scene);
-    for (count, most) in [(10_000, [ALL, ALL]), (100_000, [30_000, ALL]), (100_000, [ALL, 1000]), (500, [ALL, 100])] {
-        let segments: Vec<HostSegment> = stored::make(&scene, count, most).collect();
-        let again: Vec<HostSegment> = stored::make(&scene, count, most).collect();
+    let lots = [(10_000, [ALL, ALL]), (100_000, [30_000, ALL]), (100_000, [ALL, 1000]), (500, [ALL, 100])];
+    for ((count, most), thin) in lots.into_iter().flat_map(|lot| [(lot, true), (lot, false)]) {
+        let segments: Vec<HostSegment> = stored::make(&scene, count, thin, most).collect();
+        let again: Vec<HostSegment> = stored::make(&scene, count, thin, most).collect();
         assert!(segments == again, "{count}: other points at the second time");
         let (mut of_triangles, mut stand_for) = (BTreeMap::new(), 0.0);
         for (records, triangles) in &segments {
@@ -59,8 +60,7 @@ fn every_triangle_has_its_share_of_the_stored_points() {
                 let transform = scene.draws[triangle.draw as usize].transform;
                 let corners = triangle.corners.map(|i| transform.transform_point3(scene.vertices[i as usize].position.into()));
                 stand_for += area(corners) * f64::from(triangle.share);
-                *of_triangles.entry((triangle.draw, triangle.corners)).or_insert((0u32, area(corners))) =
-                    (of_triangles.get(&(triangle.draw, triangle.corners)).map_or(1, |(held, _)| held + 1), area(corners));
+                of_triangles.entry((triangle.draw, triangle.corners)).or_insert((0, area(corners))).0 += 1;
             }
         }
         let held: u32 = of_triangles.values().map(|(held, _)| held).sum();
@@ -68,9 +68,15 @@ fn every_triangle_has_its_share_of_the_stored_points() {
         assert!((stand_for / surface - 1.0).abs() < 1e-4, "{count}: they stand for {stand_for} of {surface} m^2");
         for (held, area) in of_triangles.values() {
             let share = area / surface * f64::from(count);
-            assert!((f64::from(*held) - share).abs() < 2.0, "{held} points on a triangle whose share is {share}");
+            // Where small triangles have one point each, less is left to the others.
+            let close = if thin { (f64::from(*held) - share).abs() < 2.0 } else { f64::from(*held) > 0.7 * share - 2.0 };
+            assert!(close, "{held} points on a triangle whose share is {share}");
         }
-        println!("{count}: {} segments, {} triangles", segments.len(), of_triangles.len());
+        if !thin && count > 7200 {
+            let areas = scene.draws.iter().flat_map(|draw| corners(&scene, draw)).map(area);
+            assert_eq!(of_triangles.len(), areas.filter(|area| *area > 0.0).count(), "every triangle has a point");
+        }
+        println!("{count}, thinned {thin}: {} segments, {} triangles", segments.len(), of_triangles.len());
         assert!(segments.len() > usize::from(most != [ALL, ALL]));
     }
 }
@@ -79,7 +85,7 @@ fn every_triangle_has_its_share_of_the_stored_points() {
 #[test]
 fn any_run_of_stored_points_is_spread_over_all_surfaces() {
     let scene = globe();
-    let (records, triangles) = stored::make(&scene, 40_000, [ALL, ALL]).next().unwrap();
+    let (records, triangles) = stored::make(&scene, 40_000, true, [ALL, ALL]).next().unwrap();
     let each = 400;
     for run in records.chunks_exact(each) {
         // Triangles are in the order of the running sum of areas, in which the points are equally dense.
@@ -107,7 +113,7 @@ fn plates_in_motion() -> Scene {
 fn stored_points_move_with_their_triangles_and_their_areas_sum_to_the_surface() {
     for (name, scene, frames) in [("globe", globe(), &[0][..]), ("plates", plates_in_motion(), &[0, 1, 2, 3])] {
         let mut host = scene.clone();
-        let (records, triangles) = stored::make(&scene, 50_000, [ALL, ALL]).next().unwrap();
+        let (records, triangles) = stored::make(&scene, 50_000, false, [ALL, ALL]).next().unwrap();
         let mut renderer = renderer(scene);
         let mut config = config(50_000);
         config.frame.fps = 2.0;
@@ -187,7 +193,7 @@ fn relmse(test: &[Vec3], truth: &[Vec3]) -> f64 {
 }
 
 #[test]
-fn the_maps_of_all_ways_err_alike_and_those_of_stored_points_no_more() {
+fn the_maps_of_all_ways_err_alike() {
     let scene = SceneConfig { builtin: Some(Builtin::Atrium), triangles: 20_000, ..SceneConfig::default() };
     let mut renderer = traced(load_scene(&scene).unwrap().0);
     let mut config = Config { scene, ..Config::default() };
@@ -213,11 +219,8 @@ fn the_maps_of_all_ways_err_alike_and_those_of_stored_points_no_more() {
             }
         }
         println!("{renders:?}: {ways:?} {errors:?}");
-        // The points of a map are random where they are made anew, and spread evenly where they are stored.
-        let anew = &errors[..errors.len() - 1];
-        let (least, most) = anew.iter().fold((f64::INFINITY, 0.0f64), |(least, most), e| (least.min(*e), most.max(*e)));
-        let stored = errors[errors.len() - 1];
-        assert!(most <= 1.1 * least && stored <= 1.1 * least && stored >= 0.7 * least, "{renders:?}: {ways:?} {errors:?}");
+        let (least, most) = errors.iter().fold((f64::INFINITY, 0.0f64), |(least, most), e| (least.min(*e), most.max(*e)));
+        assert!(most <= 1.1 * least, "{renders:?}: {ways:?} {errors:?}");
     }
     finish(renderer.gpu());
 }

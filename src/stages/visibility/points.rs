@@ -69,7 +69,7 @@ pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, 
     g.tell("visibility/asked-points", u64::from(config.ism.point_count));
     let holes = around.scene.masks.map(|_| g.count("visibility/points-in-holes"));
     if config.ism.collect == Collect::Stored {
-        return stored(g, around, partitions, config.ism.point_count, holes);
+        return stored(g, around, partitions, config, holes);
     }
     let table = around.residents.triangles().table;
     let density = density::of(g, around, config.ism.point_count, config.ism.thin);
@@ -142,7 +142,8 @@ fn tessellated(g: &mut Graph, around: Surroundings<'_>, points: Points, params: 
 
 /// Stored points (Barak et al. 2013, section 5.1): made once, and moved with their triangles. Their order spreads any range of them over
 /// all surfaces, so that a partition is a range.
-fn stored(g: &mut Graph, around: Surroundings<'_>, partitions: u32, count: u32, holes: Option<Buffer>) -> Vec<Points> {
+fn stored(g: &mut Graph, around: Surroundings<'_>, partitions: u32, config: &VisibilityConfig, holes: Option<Buffer>) -> Vec<Points> {
+    let count = config.ism.point_count;
     g.tell("visibility/made-points", u64::from(count));
     let diagonal = around.scene.bounds().size().length();
     let segment = |(number, segment): (u32, FrameSegment), g: &mut Graph| {
@@ -170,7 +171,7 @@ fn stored(g: &mut Graph, around: Surroundings<'_>, partitions: u32, count: u32, 
             .dispatch_groups([groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1]);
         points
     };
-    let segments = around.residents.stored(g, count);
+    let segments = around.residents.stored(g, count, config.ism.thin);
     (1..).zip(segments).map(|each| g.again(each.0, |g| segment(each, g))).collect()
 }
 

@@ -64,7 +64,7 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, confi
     match config.ism.collect {
         Collect::Stored => {
             g.tell("visibility/made-points", u64::from(config.ism.point_count));
-            for (number, segment) in (1..).zip(around.residents.stored(g, config.ism.point_count)) {
+            for (number, segment) in (1..).zip(around.residents.stored(g, config.ism.point_count, config.ism.thin)) {
                 g.again(number, |g| stored(g, around, vpls, config, block, splats, (number, segment)));
             }
         }

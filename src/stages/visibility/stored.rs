@@ -1,7 +1,8 @@
 //! Stored points (Ritschel et al. 2008; Barak et al. 2013, section 5.1): made once on the host, as a triangle and a place in it, 8 bytes each.
 //!
-//! Points are stratified over the running sum of the triangles' areas, so that every triangle has its share of them to within one point.
-//! They follow their triangles: a point stands for the same share of its triangle's area in every pose.
+//! Points are stratified over the running sum of what the triangles are due, their areas: every triangle has its share of them to within one
+//! point. Unless small triangles are thinned out, each has one point at least. Points follow their triangles: a point stands for the same
+//! share of its triangle's area in every pose.
 
 use super::poses::Poses;
 use crate::gpu::{BufferId, Gpu, VertexLayout};
@@ -52,13 +53,13 @@ pub struct FrameSegment {
 }
 
 impl Stored {
-    /// Makes `count` points of a scene, which stands at second 0 of its animation. No buffer is over `most_bytes`, here or where each point
+    /// Makes `count` points of a scene, which stands at second 0 of its animation; `thin` is as in [`make`]. No buffer is over `most_bytes`, here or where each point
     /// becomes one of 16 bytes.
     ///
     /// # Errors
     /// The device's own, when memory runs out.
-    pub fn upload(gpu: &mut Gpu, scene: &Scene, count: u32, most_bytes: u64) -> Result<Self> {
-        let segments = make(scene, count, [most_bytes / 16, most_bytes / size_of::<StoredTriangle>() as u64]);
+    pub fn upload(gpu: &mut Gpu, scene: &Scene, count: u32, thin: bool, most_bytes: u64) -> Result<Self> {
+        let segments = make(scene, count, thin, [most_bytes / 16, most_bytes / size_of::<StoredTriangle>() as u64]);
         let segments = segments.map(|(records, triangles)| {
             Ok(Segment {
                 records: (gpu.create_filled_buffer("scene/stored-points", bytemuck::cast_slice(&records))?, records.len() as u32),
@@ -83,37 +84,72 @@ impl Stored {
 /// Points and triangles of a segment, as they are stored.
 pub type HostSegment = (Vec<StoredPoint>, Vec<StoredTriangle>);
 
-/// Makes `count` points of a scene in segments, of at most `most` points and triangles. A scene without area has none.
-pub fn make(scene: &Scene, count: u32, most: [u64; 2]) -> impl Iterator<Item = HostSegment> {
-    let (triangles, ends) = triangles_by_area(scene, count);
+/// Makes `count` points of a scene in segments, of at most `most` points and triangles. Points are by area alone if `thin`, or if there are
+/// fewer than triangles; otherwise every triangle has one at least. A scene without area has none.
+pub fn make(scene: &Scene, count: u32, thin: bool, most: [u64; 2]) -> impl Iterator<Item = HostSegment> {
+    let (triangles, ends) = dues(scene, count, thin);
     let owners = owners(&ends, count);
     let begins = cut(&owners, most.map(|most| most.max(1) as usize));
     let ranges: Vec<_> = begins.windows(2).map(|pair| pair[0]..pair[1]).collect();
     ranges.into_iter().map(move |range| segment(&triangles, &ends, &owners, range, count))
 }
 
-/// All triangles, and the running sum of the areas that they have when they are largest, with 0 before it.
-fn triangles_by_area(scene: &Scene, count: u32) -> (Vec<StoredTriangle>, Vec<f64>) {
+/// All triangles, and the running sum of what they are due, with 0 before it: areas as they are when they are largest, or whole points.
+fn dues(scene: &Scene, count: u32, thin: bool) -> (Vec<StoredTriangle>, Vec<f64>) {
     let poses = Poses::of(scene);
-    let (mut triangles, mut ends) = (Vec::new(), vec![0.0]);
-    let mut end = 0.0;
+    let (mut triangles, mut areas) = (Vec::new(), Vec::new());
     for (number, draw) in scene.draws.iter().enumerate() {
-        let indices = &scene.indices[draw.first_index as usize..];
-        for (corners, area) in indices.chunks_exact(3).zip(poses.areas(scene, number)) {
+        let indices = &scene.indices[draw.first_index as usize..(draw.first_index + draw.index_count) as usize];
+        for corners in indices.chunks_exact(3) {
             let corners = [0, 1, 2].map(|k| corners[k] + draw.vertex_offset);
-            end += f64::from(area);
-            ends.push(end);
-            triangles.push(StoredTriangle { corners, draw: number as u32, share: area });
+            triangles.push(StoredTriangle { corners, draw: number as u32, share: 0.0 });
         }
+        areas.extend(poses.areas(scene, number));
     }
+    let numbers = if thin { None } else { numbers(&areas, count) };
+    let dues = numbers.unwrap_or_else(|| areas.iter().map(|area| f64::from(*area)).collect());
+    let mut end = 0.0;
+    let ends: Vec<f64> = std::iter::once(0.0)
+        .chain(dues.iter().map(|due| {
+            end += due;
+            end
+        }))
+        .collect();
     let each = end / f64::from(count);
-    triangles.par_iter_mut().for_each(|triangle| triangle.share = (each / f64::from(triangle.share)) as f32);
+    triangles.iter_mut().zip(&dues).for_each(|(triangle, due)| triangle.share = (each / due) as f32);
     (triangles, ends)
+}
+
+/// Number of points of each triangle, `count` in all: one for each small triangle, and the rest by area among the others. `None` if there
+/// are fewer points than triangles.
+fn numbers(areas: &[f32], count: u32) -> Option<Vec<f64>> {
+    // Triangles whose share of the rest is less than one point are small. Taking them out leaves less to the others.
+    let mut least = 0.0f32;
+    let (rest, area) = loop {
+        let small = areas.iter().filter(|area| **area > 0.0 && **area <= least).count();
+        let rest = u64::from(count).checked_sub(small as u64)?;
+        let area: f64 = areas.iter().filter(|area| **area > least).map(|area| f64::from(*area)).sum();
+        let smaller = areas.iter().copied().filter(|each| *each > least && f64::from(*each) * rest as f64 <= area).fold(least, f32::max);
+        if smaller == least {
+            break (rest, area);
+        }
+        least = smaller;
+    };
+    let (mut sum, mut given) = (0.0, 0.0);
+    let number = |each: &f32| {
+        if *each <= least {
+            return f64::from(u8::from(*each > 0.0));
+        }
+        sum += f64::from(*each);
+        let before = std::mem::replace(&mut given, (sum / area * rest as f64 + 0.5).floor());
+        given - before
+    };
+    Some(areas.iter().map(number).collect())
 }
 
 /// Place of point `i` of `count` in the running sum that ends at `end`: at random in its own stratum.
 fn place(i: u32, count: u32, end: f64) -> f64 {
-    (f64::from(i) + f64::from(hash(i, 0)) / 4_294_967_296.0) / f64::from(count) * end
+    (f64::from(i) + f64::from(hash(i, 0)) / 4_294_967_296.0) * (end / f64::from(count))
 }
 
 /// Triangle of each point.
