@@ -247,3 +247,24 @@ fn points_that_no_buffer_holds_are_drawn_in_batches() {
     }
     finish(renderer.gpu());
 }
+
+#[test]
+fn a_scene_without_area_has_no_points() {
+    let mut scene = Scene { name: "a line".into(), ..Scene::default() };
+    let mut mesh = Mesh::default();
+    let [a, b, c] = [0.0, 1.0, 2.0].map(|x| mesh.vertex(Vec3::new(x, 0.0, 0.0), Vec3::Y, Vec2::ZERO));
+    mesh.indices.extend([a, b, c]);
+    let material = scene.add_material(matte([0.5; 3]));
+    scene.add_mesh(&mesh, material, &[Affine3A::IDENTITY]);
+    let mut renderer = renderer(scene);
+    for (renders, pass) in [(IsmRenderer::SinglePixel, "visibility/push-0"), (IsmRenderer::Splat, "visibility/splat-distances")] {
+        for collect in [Collect::Compute, Collect::Tessellation, Collect::Stored] {
+            let mut config = config(1000);
+            (config.visibility.ism.collect, config.visibility.ism.renderer) = (collect, renders);
+            let rendered = dump(&mut renderer, &config, 0, &[pass]);
+            assert_eq!(count(&rendered, "visibility/made-points"), 0, "{collect:?} {renders:?}");
+            assert!(words(dumped(&rendered, "visibility/maps")).all(|word| word == 1f32.to_bits()), "{collect:?} {renders:?}");
+        }
+    }
+    finish(renderer.gpu());
+}

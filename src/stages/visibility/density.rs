@@ -130,7 +130,9 @@ impl Chunks {
     /// code of masks even where no triangle has one.
     pub fn parts(&self) -> impl Iterator<Item = (bool, [u32; 2])> {
         let parts = [(true, [self.whole, self.count - self.whole]), (false, [0, self.whole])];
-        parts.into_iter().filter(|(_, [_, count])| *count > 0)
+        // Something must write what others read, even if the scene has no triangle.
+        let none = self.count == 0;
+        parts.into_iter().filter(move |(masked, [_, count])| *count > 0 || (none && !masked))
     }
 }
 

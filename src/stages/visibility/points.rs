@@ -143,8 +143,8 @@ fn tessellated(g: &mut Graph, around: Surroundings<'_>, points: Points, params: 
 /// Stored points (Barak et al. 2013, section 5.1): made once, and moved with their triangles. Their order spreads any range of them over
 /// all surfaces, so that a partition is a range.
 fn stored(g: &mut Graph, around: Surroundings<'_>, partitions: u32, config: &VisibilityConfig, holes: Option<Buffer>) -> Vec<Points> {
-    let count = config.ism.point_count;
-    g.tell("visibility/made-points", u64::from(count));
+    let segments = around.residents.stored(g, config.ism.point_count, config.ism.thin);
+    g.tell("visibility/made-points", segments.iter().map(|segment| u64::from(segment.records.count)).sum());
     let diagonal = around.scene.bounds().size().length();
     let segment = |(number, segment): (u32, FrameSegment), g: &mut Graph| {
         let count = segment.records.count;
@@ -171,7 +171,6 @@ fn stored(g: &mut Graph, around: Surroundings<'_>, partitions: u32, config: &Vis
             .dispatch_groups([groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1]);
         points
     };
-    let segments = around.residents.stored(g, count, config.ism.thin);
     (1..).zip(segments).map(|each| g.again(each.0, |g| segment(each, g))).collect()
 }
 

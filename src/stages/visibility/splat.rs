@@ -63,8 +63,13 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, confi
     g.tell("visibility/asked-points", u64::from(config.ism.point_count));
     match config.ism.collect {
         Collect::Stored => {
-            g.tell("visibility/made-points", u64::from(config.ism.point_count));
-            for (number, segment) in (1..).zip(around.residents.stored(g, config.ism.point_count, config.ism.thin)) {
+            let segments = around.residents.stored(g, config.ism.point_count, config.ism.thin);
+            g.tell("visibility/made-points", segments.iter().map(|segment| u64::from(segment.records.count)).sum());
+            if segments.is_empty() {
+                // A scene without area: the maps are empty.
+                g.raster("visibility/splat-stored").depth(splats).draw(Vec::new());
+            }
+            for (number, segment) in (1..).zip(segments) {
                 g.again(number, |g| stored(g, around, vpls, config, block, splats, (number, segment)));
             }
         }
