@@ -177,7 +177,7 @@ fn stored(g: &mut Graph, around: Surroundings<'_>, partitions: u32, config: &Vis
 /// VPL of a segment's first partition: stored points are the same for all seeds, and a seed gives them to other VPLs.
 pub(super) fn turn(seed: u32, segment: u32, partitions: u32) -> u32 {
     let turned = seed.wrapping_mul(0x9e37_79b1).wrapping_add((segment - 1).wrapping_mul(0x85eb_ca6b));
-    (u64::from(turned) * u64::from(partitions) >> 32) as u32
+    ((u64::from(turned) * u64::from(partitions)) >> 32) as u32
 }
 
 /// Adds all numbers of a buffer to a counter.
