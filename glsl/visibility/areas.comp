@@ -6,6 +6,10 @@
 #include "visibility/area-bin.glsl"
 #include "visibility/chunk.glsl"
 
+layout(scalar, push_constant) uniform Params {
+    uint chunks;
+} params;
+
 struct ChunkArea {
     float sum;     // m^2
     float largest; // m^2
@@ -17,8 +21,9 @@ layout(scalar) writeonly buffer ChunkAreas { ChunkArea at[]; } chunk_areas;
 shared float areas[64];
 
 void main() {
-    uint lane = gl_LocalInvocationID.x;
-    float area = place_triangle(chunks.at[gl_WorkGroupID.x]);
+    uint lane = gl_LocalInvocationID.x, group = group_number();
+    if (group >= params.chunks) return;
+    float area = place_triangle(chunks.at[group]);
     if (area > 0.0) {
         uint bin = area_bin(area);
         atomicAdd(bins.at[bin].count, 1u);
@@ -32,5 +37,5 @@ void main() {
         all.sum += areas[i];
         all.largest = max(all.largest, areas[i]);
     }
-    chunk_areas.at[gl_WorkGroupID.x] = all;
+    chunk_areas.at[group] = all;
 }

@@ -17,6 +17,9 @@ layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
 layout(scalar) readonly buffer Positions { vec3 at[]; } positions;
 layout(scalar) readonly buffer Indices { uint at[]; } indices;
 
+// Number of the workgroup; a row of them is no longer than every device allows.
+uint group_number() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
+
 shared uvec3 corners[64];
 shared vec3 corner[3][64];
 

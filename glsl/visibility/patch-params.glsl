@@ -9,4 +9,5 @@ layout(scalar, push_constant) uniform Params {
     uint capacity;  // points of a partition
     uint seed;
     uint chunk;     // of the first workgroup
+    uint end;       // chunk after the last
 } params;

@@ -14,4 +14,7 @@ void take(uint k, uint total, Point point, uvec4 hash) {
     if (slot < params.capacity) points.at[part * params.capacity + slot] = point;
 }
 
-void main() { go_through(chunks.at[params.chunk + gl_WorkGroupID.x]); }
+void main() {
+    uint group = params.chunk + group_number();
+    if (group < params.end) go_through(chunks.at[group]);
+}

@@ -11,7 +11,9 @@ shared uint taken;
 void take(uint k, uint total, Point point, uvec4 hash) { atomicAdd(taken, 1u); }
 
 void main() {
-    Chunk chunk = chunks.at[params.chunk + gl_WorkGroupID.x];
+    uint group = params.chunk + group_number();
+    if (group >= params.end) return;
+    Chunk chunk = chunks.at[group];
     bool first = gl_LocalInvocationID.x == 0u;
     if (first) taken = 0u;
     barrier();

@@ -1,7 +1,7 @@
 //! Points drawn for each VPL in proportion to the solid angle that they subtend: the adaptivity that Linke 2016 asks for (section 5.4.6).
 //! All points of the scene form a pool of clusters of neighbours. All maps together get as many points as the uniform set would draw.
 
-use super::density::{self, goes_through};
+use super::density::{self, goes_through, rows};
 use super::masks::masked;
 use super::points::{Point, Points, PointsParams, total};
 use crate::graph::Graph;
@@ -73,13 +73,14 @@ pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point
     let pool = if gaps { g.zeroed::<Point>("visibility/pool", most) } else { g.buffer::<Point>("visibility/pool", most) };
     let areas = g.buffer::<f32>("visibility/pool-areas", most);
     let cluster_table = g.buffer::<PointCluster>("visibility/pool-clusters", clusters);
-    let params = PointsParams { diagonal, partitions: 1, first: 0, held: 1, capacity: most, seed: around.wants.seed, chunk: 0 };
+    let params =
+        PointsParams { diagonal, partitions: 1, first: 0, held: 1, capacity: most, seed: around.wants.seed, chunk: 0, end: groups };
     goes_through(g.compute("visibility/pool-count"), around, chunks.chunks)
         .reads("sizes", density.sizes)
         .writes("counts", counts)
         .constant("THIN", thin)
         .params(&params)
-        .dispatch_groups([groups, 1, 1]);
+        .dispatch_groups(rows(groups));
     g.compute("visibility/pool-scan")
         .reads("counts", counts)
         .writes("begins", chunk_begins)
@@ -93,8 +94,8 @@ pub(super) fn choose(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, point
             .reads("begins", chunk_begins)
             .writes("points", pool)
             .constant("THIN", thin)
-            .params(&PointsParams { chunk, ..params })
-            .dispatch_groups([groups, 1, 1]);
+            .params(&PointsParams { chunk, end: chunk + groups, ..params })
+            .dispatch_groups(rows(groups));
     }
     g.compute("visibility/pool-clusters")
         .reads("points", pool)

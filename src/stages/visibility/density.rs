@@ -25,6 +25,10 @@ shader_struct! {
         largest: f32,
     }
 
+    struct AreasParams {
+        chunks: u32,
+    }
+
     struct MaxAreaParams {
         points: u32,
         chunks: u32,
@@ -37,6 +41,14 @@ shader_struct! {
 
 /// `AREA_BINS` of `glsl/visibility/area-bin.glsl`.
 const AREA_BINS: u32 = 4096;
+
+/// Workgroups across a dispatch, at most: what every device has.
+const MOST_GROUPS: u32 = 65_535;
+
+/// Workgroups of a dispatch in rows; shaders pass by what is beyond.
+pub(super) fn rows(groups: u32) -> [u32; 3] {
+    [groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1]
+}
 
 /// Density of points on the triangles.
 #[derive(Debug, Clone, Copy)]
@@ -70,7 +82,8 @@ pub(super) fn of(g: &mut Graph, around: Surroundings<'_>, points: u32, thin: boo
     goes_through(g.compute("visibility/areas"), around, chunks)
         .updates("bins", bins)
         .writes("chunk_areas", chunk_areas)
-        .dispatch_groups([count, 1, 1]);
+        .params(&AreasParams { chunks: count })
+        .dispatch_groups(rows(count));
     g.compute("visibility/max-area")
         .reads("bins", bins)
         .reads("chunk_areas", chunk_areas)
@@ -142,4 +155,17 @@ pub(super) fn goes_through<'g>(pass: ComputePass<'g>, around: Surroundings<'_>, 
         .reads("draws", around.scene.draws)
         .reads("positions", around.residents.triangles().positions)
         .reads("indices", around.scene.indices)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_hold_all_workgroups_and_are_no_longer_than_devices_allow() {
+        for groups in [0, 1, 65_535, 65_536, 200_000, u32::MAX] {
+            let [across, down, _] = rows(groups);
+            assert!(across <= 65_535 && down <= 65_538 && u64::from(across) * u64::from(down) >= u64::from(groups), "{groups}");
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Points from the scene's triangles, in one partition a VPL (Linke 2016, section 4.4.1). `glsl/visibility/point.glsl` has the rule.
 
 use super::VisibilityConfig;
-use super::density::{self, Density, goes_through};
+use super::density::{self, Density, goes_through, rows};
 use super::ism::partition_capacity;
 use super::masks::masked;
 use super::stored::FrameSegment;
@@ -27,8 +27,9 @@ shader_struct! {
         pub held: u32,
         pub capacity: u32,
         pub seed: u32,
-        /// Chunk of the first workgroup.
+        /// Chunk of the first workgroup, and the one after the last.
         pub chunk: u32,
+        pub end: u32,
     }
 
     struct StoredParams {
@@ -40,9 +41,6 @@ shader_struct! {
         count: u32,
     }
 }
-
-/// Workgroups across a dispatch, at most: what every device has.
-const MOST_GROUPS: u32 = 65_535;
 
 /// Points by partition.
 #[derive(Debug, Clone, Copy)]
@@ -90,7 +88,7 @@ pub(super) fn collect(g: &mut Graph, around: Surroundings<'_>, partitions: u32, 
             each: capacity,
             gaps: false,
         };
-        let params = PointsParams { diagonal, partitions, first, held, capacity, seed: around.wants.seed, chunk: 0 };
+        let params = PointsParams { diagonal, partitions, first, held, capacity, seed: around.wants.seed, chunk: 0, end: 0 };
         // Every batch goes through all triangles, and the first one counts.
         let counted = holes.filter(|_| number == 1);
         match config.ism.collect {
@@ -119,8 +117,8 @@ fn computed(g: &mut Graph, around: Surroundings<'_>, points: Points, params: &Po
             .writes("points", points.points)
             .updates("fill", points.fill)
             .constant("THIN", density.thin)
-            .params(&PointsParams { chunk, ..*params })
-            .dispatch_groups([groups, 1, 1]);
+            .params(&PointsParams { chunk, end: chunk + groups, ..*params })
+            .dispatch_groups(rows(groups));
     }
 }
 
@@ -168,7 +166,7 @@ fn stored(g: &mut Graph, around: Surroundings<'_>, partitions: u32, config: &Vis
             .reads("positions", around.residents.triangles().positions)
             .writes("points", points.points)
             .params(&StoredParams { diagonal, count })
-            .dispatch_groups([groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1]);
+            .dispatch_groups(rows(groups));
         points
     };
     (1..).zip(segments).map(|each| g.again(each.0, |g| segment(each, g))).collect()

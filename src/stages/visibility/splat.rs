@@ -1,7 +1,7 @@
 //! Points as squares of their size, by the rasterizer (Linke 2016, section 4.4.2; Barak et al. 2013, section 5).
 
 use super::VisibilityConfig;
-use super::density::{self, goes_through};
+use super::density::{self, goes_through, rows};
 use super::ism::{ClearParams, collected, considered, layout};
 use super::masks::masked;
 use super::points::{PointsParams, turn};
@@ -88,7 +88,7 @@ fn tessellated(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &Vi
     let density = density::of(g, around, config.ism.point_count, config.ism.thin);
     let diagonal = around.scene.bounds().size().length();
     let (partitions, seed) = (vpls.count, around.wants.seed);
-    let params = PointsParams { diagonal, partitions, first: 0, held: partitions, capacity: 0, seed, chunk: 0 };
+    let params = PointsParams { diagonal, partitions, first: 0, held: partitions, capacity: 0, seed, chunk: 0, end: 0 };
     // A geometry stage that may emit many points is slow even where it emits one.
     let most = if collected(config, vpls.count) > 1 { "visibility/most-several" } else { "visibility/most-one" };
     let mut first = true;
@@ -116,8 +116,8 @@ fn tessellated(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &Vi
         .reads("sizes", density.sizes)
         .updates("made", made)
         .constant("THIN", config.ism.thin)
-        .params(&params)
-        .dispatch_groups([chunks.count, 1, 1]);
+        .params(&PointsParams { end: chunks.count, ..params })
+        .dispatch_groups(rows(chunks.count));
 }
 
 /// Squares of one segment of stored points.
