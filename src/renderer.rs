@@ -188,13 +188,14 @@ impl Renderer {
         self.engine.prepare(&g)
     }
 
-    /// Names of a config's passes, and of the resources of its frames.
+    /// Names of a config's passes, and of the resources and told numbers of its frames.
     pub fn names(&mut self, config: &Config) -> Result<(Vec<&'static str>, Vec<String>)> {
         self.ensure_for(config)?;
         let shot = self.shot(config, 0)?;
         let mut g = Graph::new();
         self.describe(&mut g, &shot, config);
-        Ok((g.pass_names().collect(), g.memory().into_iter().map(|(name, _)| name).collect()))
+        let resources = g.memory().into_iter().map(|(name, _)| name);
+        Ok((g.pass_names().collect(), resources.chain(g.told_names().map(str::to_owned)).collect()))
     }
 
     /// Runs frame 0 with a triangle of every kind that the scene draws, so that no later frame is the first to use a pipeline. It cuts the

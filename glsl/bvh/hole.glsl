@@ -2,6 +2,7 @@
 #include "bvh/traverse.glsl"
 #include "lib/color.glsl"
 #include "lib/packing.glsl"
+#include "lib/texels.glsl"
 
 // Features that any material of the scene has; absent features are compiled out.
 layout(constant_id = 100) const bool BASE_COLOR_MAPS = true;
@@ -11,19 +12,6 @@ layout(constant_id = 104) const bool VERTEX_COLORS = true;
 uniform usampler2D bvh_masks;
 uniform sampler2DArray texels; // texels of all textures, one after the other
 
-// Location of a map's texels.
-struct TexelMap {
-    uint first;
-    uint size; // width, and height in the upper half; 0 where there is no map
-    uint how;  // wrapping across in bits 0 and 1, down in bits 2 and 3; the bits below
-};
-
-const uint WRAP_REPEAT = 0u;
-const uint WRAP_MIRRORED = 1u;
-const uint WRAP_CLAMP = 2u;
-const uint NEAREST_TEXEL = 16u;
-const uint SRGB_TEXELS = 32u;
-
 vec4 texel(TexelMap map, vec2 at) {
     uint i = map.first + uint(at.y) * (map.size & 0xffffu) + uint(at.x);
     return texelFetch(texels, ivec3(i & 4095u, (i >> 12) & 4095u, i >> 24), 0);
@@ -32,19 +20,6 @@ vec4 texel(TexelMap map, vec2 at) {
 vec4 decoded(TexelMap map, vec2 at) {
     vec4 t = texel(map, at);
     return (map.how & SRGB_TEXELS) != 0u ? vec4(srgb_to_linear(t.rgb), t.a) : t;
-}
-
-// Texture coordinate wrapped into [0, 1].
-float wrapped(float u, uint wrap) {
-    float repeated = u - floor(u);
-    float mirrored = 1.0 - abs(fract(u * 0.5) * 2.0 - 1.0);
-    return wrap == WRAP_REPEAT ? repeated : wrap == WRAP_MIRRORED ? mirrored : clamp(u, 0.0, 1.0);
-}
-
-// Texel index beyond an edge: the other side's if the texture repeats, else the edge's.
-float neighbour(float i, float size, uint wrap) {
-    if (wrap == WRAP_REPEAT) i += i < 0.0 ? size : i >= size ? -size : 0.0;
-    return clamp(i, 0.0, size - 1.0);
 }
 
 // Texture lookup with the rasterizer's coordinates, in the finest mip: sharper than the rasterizer's, and independent of the view.

@@ -1,3 +1,5 @@
+#ifndef POINT_GLSL
+#define POINT_GLSL
 // Points from triangles (Linke 2016, section 4.4.1): the rule shared by the tessellator's and the compute shader's points.
 //
 // A triangle is cut into s * s congruent ones, and each of these is tessellated with all levels n, equally spaced. A point represents a
@@ -86,9 +88,9 @@ uvec3 small_triangle(uint k, uint n, out float share) {
 
 // Hash of a point that is the same in all frames: from its triangle's corners and draw, its sub-triangle, and its position in that in units
 // of 1 / (9 n).
-uvec2 point_hash(uvec3 corners, uint draw, uint sub, uvec3 place, uint seed) {
+uvec4 point_hash(uvec3 corners, uint draw, uint sub, uvec3 place, uint seed) {
     uvec4 h = pcg4d(uvec4(corners, draw ^ seed));
-    return pcg4d(h ^ uvec4(sub, place)).xy;
+    return pcg4d(h ^ uvec4(sub, place));
 }
 
 // Number in [0, count) from a hash.
@@ -105,18 +107,23 @@ float point_area(float area, float max_area, uint hash, bool thin) {
     return float(hash >> 8u) < area / max_area * 16777216.0 ? max_area : 0.0;
 }
 
-Point make_point(vec3 position, vec3 normal, float area, float diagonal, bool double_sided) {
+// Point whose radius is rounded down after `rounding` in [0, 1) of a step of 0.7 % was added: 0.5 is the nearest step.
+Point make_point_rounded(vec3 position, vec3 normal, float area, float diagonal, bool double_sided, float rounding) {
     uvec2 n = uvec2(clamp(octahedral(normal) * 511.0 + 512.5, 0.0, 1023.0));
     float radius = sqrt(area / PI);
-    uint r = uint(clamp(2047.5 + 96.0 * log2(radius / diagonal), 0.0, 2047.0));
+    uint r = uint(clamp(2047.0 + rounding + 96.0 * log2(radius / diagonal), 0.0, 2047.0));
     return Point(position, n.x | n.y << 10 | r << 20 | (double_sided ? 1u << 31 : 0u));
+}
+
+Point make_point(vec3 position, vec3 normal, float area, float diagonal, bool double_sided) {
+    return make_point_rounded(position, normal, area, diagonal, double_sided, 0.5);
 }
 
 vec3 point_normal(Point p) { return octahedral_inverse((vec2(p.packed & 1023u, p.packed >> 10 & 1023u) - 512.0) / 511.0); }
 
 float point_radius(Point p, float diagonal) { return diagonal * exp2((float(p.packed >> 20 & 2047u) - 2047.0) / 96.0); }
 
-// Empty slot of the pool: all zeros, which no normal packs to.
+// Empty slot of a buffer: all zeros, which no normal packs to.
 bool point_is_empty(Point p) { return p.packed == 0u; }
 
 bool point_is_double_sided(Point p) { return p.packed >> 31 != 0u; }
@@ -135,3 +142,4 @@ bool point_faces(Point point, vec3 normal, vec3 way, vec3 facing) {
 float point_enlargement(uint count, uint considered, uint passing, uint drawn) {
     return sqrt(float(count) / float(considered) * (float(passing) / float(drawn)));
 }
+#endif

@@ -10,7 +10,7 @@
 #include "visibility/point.glsl"
 
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const bool THIN = false;
+layout(constant_id = 0) const bool GAPS = false; // slots of the pool may be empty
 
 layout(scalar, push_constant) uniform Params {
     float diagonal;
@@ -76,7 +76,7 @@ void main() {
             k += k + step < most && areas.at[first + k + step - 1u] <= within ? step : 0u;
         }
         // Rounding may lead past the cluster's last point.
-        while (THIN && k > 0u && point_is_empty(pool.at[first + k])) k--;
+        while (GAPS && k > 0u && point_is_empty(pool.at[first + k])) k--;
         Point point = pool.at[min(first + k, max(end, 1u) - 1u)];
         float own = point_radius(point, params.diagonal);
         float stands_for = area * total / (float(count) * chance);

@@ -7,10 +7,14 @@
 layout(scalar) writeonly buffer Points { Point at[]; } points;
 layout(scalar) buffer Fill { uint at[]; } fill;
 
-void take(uint k, uint total, Point point, uvec2 hash) {
-    uint part = hashed_index(hash.x, params.partitions);
+void take(uint k, uint total, Point point, uvec4 hash) {
+    uint part = hashed_index(hash.x, params.partitions) - params.first;
+    if (part >= params.held) return;
     uint slot = atomicAdd(fill.at[part], 1u);
     if (slot < params.capacity) points.at[part * params.capacity + slot] = point;
 }
 
-void main() { go_through(chunks.at[gl_WorkGroupID.x]); }
+void main() {
+    uint group = params.chunk + group_number();
+    if (group < params.end) go_through(chunks.at[group]);
+}

@@ -14,9 +14,10 @@ layout(scalar) buffer Fill { uint at[]; } fill;
 void main() {
     gl_PointSize = 1.0;
     Point point;
-    uvec2 hash;
+    uvec4 hash;
     if (!small_triangles_point(point, hash)) return;
-    uint part = hashed_index(hash.x, params.partitions);
+    uint part = hashed_index(hash.x, params.partitions) - params.first;
+    if (part >= params.held) return;
     uint slot = atomicAdd(fill.at[part], 1u);
     if (slot < params.capacity) points.at[part * params.capacity + slot] = point;
 }

@@ -19,6 +19,7 @@ layout(scalar) readonly buffer Points { Point at[]; } points;
 layout(scalar) readonly buffer Begins { uint at[]; } begins;
 layout(scalar) writeonly buffer Areas { float at[]; } areas;
 layout(scalar) writeonly buffer Clusters { PointCluster at[]; } clusters;
+layout(scalar) buffer Made { uint count; } made;
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
@@ -28,9 +29,11 @@ void main() {
     PointCluster cluster = PointCluster(vec3(0.0), vec3(0.0), 0.0, 0.0, vec3(0.0));
     vec3 least = vec3(1e30), most = vec3(-1e30);
     float single = 0.0, both = 0.0;
+    uint held = 0u;
     for (uint i = low; i < high; i++) {
         Point point = points.at[i];
         if (!point_is_empty(point)) {
+            held++;
             float radius = point_radius(point, params.diagonal);
             float area = PI * radius * radius;
             bool double_sided = point_is_double_sided(point);
@@ -48,4 +51,5 @@ void main() {
     // The mean projected area of a convex body is a quarter of its surface; that of a double-sided sheet is half.
     cluster.stray = 0.25 * max(single - length(cluster.vector_area), 0.0) + 0.5 * both;
     clusters.at[index] = cluster;
+    atomicAdd(made.count, held);
 }

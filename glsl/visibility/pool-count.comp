@@ -6,10 +6,12 @@
 
 layout(scalar) writeonly buffer Counts { uint at[]; } counts;
 
-void take(uint k, uint total, Point point, uvec2 hash) {}
+void take(uint k, uint total, Point point, uvec4 hash) {}
 
 void main() {
-    Chunk chunk = chunks.at[gl_WorkGroupID.x];
+    uint group = params.chunk + group_number();
+    if (group >= params.end) return;
+    Chunk chunk = chunks.at[group];
     uint total = chunk.slice + 1u == chunk.slices ? count_points(chunk) : 0u;
-    if (gl_LocalInvocationID.x == 0u) counts.at[gl_WorkGroupID.x] = total;
+    if (gl_LocalInvocationID.x == 0u) counts.at[group] = total;
 }

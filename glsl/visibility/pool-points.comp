@@ -7,9 +7,12 @@
 layout(scalar) readonly buffer Begins { uint at[]; } begins;
 layout(scalar) writeonly buffer Points { Point at[]; } points;
 
-void take(uint k, uint total, Point point, uvec2 hash) {
-    uint slot = begins.at[gl_WorkGroupID.x] + k;
+void take(uint k, uint total, Point point, uvec4 hash) {
+    uint slot = begins.at[params.chunk + group_number()] + k;
     if (slot < params.capacity) points.at[slot] = point;
 }
 
-void main() { go_through(chunks.at[gl_WorkGroupID.x]); }
+void main() {
+    uint group = params.chunk + group_number();
+    if (group < params.end) go_through(chunks.at[group]);
+}

@@ -1,4 +1,4 @@
-// Points as single pixels (Linke 2016, section 4.4.3): a workgroup a partition. Each point is tested against the partition's VPL and those
+// Points as single pixels (Linke 2016, section 4.4.3): a column of workgroups a partition. Each point is tested against the partition's VPL and those
 // that follow it, and drawn into the maps of the first few that can see it. An includer defines
 //     void put(ivec2 texel, uint word, vec3 normal, vec3 w, vec2 p);
 // which stores a texel's word (the point's normal and direction are in the VPL's space, p is its place in the disk), and
@@ -14,9 +14,11 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint MAP_SIZE = 64;
 layout(constant_id = 1) const bool DISTORTION = true;
 layout(constant_id = 2) const bool ROUND = true; // no normals are kept
+layout(constant_id = 3) const bool GAPS = false; // slots may be empty
 
 layout(scalar, push_constant) uniform Params {
     uint count;      // VPLs
+    uint first;      // VPL of the first partition
     uint shares;     // VPLs that share the points: all, or 1 if each has its own
     uint considered; // VPLs a point is tested against, at most 32
     uint collected;  // VPLs that a point is drawn for, at most
@@ -41,7 +43,7 @@ void put_total(uint drawn, uint lost);
 void main() {
     uint part = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
     if (lane < params.considered) {
-        uint vpl = (part + lane) % params.count;
+        uint vpl = (part + params.first + lane) % params.count;
         position[lane] = places.at[vpl].position;
         axes[lane] = basis_of(octahedral_snorm16_inverse(places.at[vpl].normal));
         corner[lane] = map_corner(vpl, params.columns, int(MAP_SIZE));
@@ -50,12 +52,13 @@ void main() {
     uint begin = begins.at[part], held = fill.at[part];
     // The order of atomics decides which points an overfull partition has lost: to stay deterministic, it draws none.
     if (held > begins.at[part + 1u] - begin) {
-        if (lane == 0u) put_total(0u, held);
+        if (lane == 0u && gl_WorkGroupID.y == 0u) put_total(0u, held);
         held = 0u;
     }
     uint total = 0u;
-    for (uint i = lane; i < held; i += 64u) {
+    for (uint i = gl_WorkGroupID.y * 64u + lane; i < held; i += gl_NumWorkGroups.y * 64u) {
         Point point = points.at[begin + i];
+        if (GAPS && point_is_empty(point)) continue;
         vec3 normal = point_normal(point);
         uint seen = 0u;
         for (uint k = 0u; k < params.considered; k++) {

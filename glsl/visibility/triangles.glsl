@@ -1,56 +1,23 @@
 // Enumerates the points of a chunk of triangles: a workgroup counts the points of each triangle, and shares all points among its
 // invocations. An includer defines
-//     void take(uint k, uint total, Point point, uvec2 hash);
-// for point k of the chunk's `total`, unless it is thinned out.
-#include "lib/scene.glsl"
+//     void take(uint k, uint total, Point point, uvec4 hash);
+// for point k of the chunk's `total`, unless it is thinned out or in a hole.
+#include "visibility/chunk.glsl"
+#include "visibility/patch-params.glsl"
 #include "visibility/point.glsl"
-
-layout(local_size_x = 64) in;
-
-layout(scalar, push_constant) uniform Params {
-    float max_area; // of a small triangle, m^2
-    float diagonal; // of the scene's bounds, metres
-    uint partitions;
-    uint capacity;  // points of a partition
-    uint seed;
-} params;
+#include "visibility/small-corners.glsl"
+#include "part/mask=visibility/mask-none"
 
 layout(constant_id = 0) const bool THIN = false;
 
-struct Chunk {
-    uint first_index;
-    uint triangles;
-    uint vertex_offset;
-    uint draw;
-    uint slice; // number among the `slices` that share the chunk's points
-    uint slices;
-};
-
-layout(scalar) readonly buffer Chunks { Chunk at[]; } chunks;
-layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
-layout(scalar) readonly buffer Positions { vec3 at[]; } positions;
-layout(scalar) readonly buffer Indices { uint at[]; } indices;
-
 shared uint last[64]; // points up to and with this triangle
-shared uvec3 corners[64];
-shared vec3 corner[3][64];
 
 // Transforms the chunk's triangles to the world and counts their points.
 uint count_points(Chunk chunk) {
     uint lane = gl_LocalInvocationID.x;
-    uint count = 0u;
-    if (lane < chunk.triangles) {
-        mat4x3 transform = draws.at[chunk.draw].transform;
-        uvec3 ids;
-        for (uint i = 0u; i < 3u; i++) {
-            ids[i] = indices.at[chunk.first_index + 3u * lane + i] + chunk.vertex_offset;
-            corner[i][lane] = transform * vec4(positions.at[ids[i]], 1.0);
-        }
-        corners[lane] = ids;
-        float area = 0.5 * length(cross(corner[1][lane] - corner[0][lane], corner[2][lane] - corner[0][lane]));
-        Subdivision parts = subdivision(area, params.max_area);
-        count = area > 0.0 ? parts.split * parts.split * points_of_level(parts.level) : 0u;
-    }
+    float area = place_triangle(chunk);
+    Subdivision parts = subdivision(area, sizes.max_area);
+    uint count = area > 0.0 ? parts.split * parts.split * points_of_level(parts.level) : 0u;
     last[lane] = count;
     barrier();
     // Inclusive prefix sum.
@@ -63,10 +30,12 @@ uint count_points(Chunk chunk) {
     return last[63];
 }
 
-void take(uint k, uint total, Point point, uvec2 hash);
+void take(uint k, uint total, Point point, uvec4 hash);
 
 void go_through(Chunk chunk) {
     bool double_sided = draws.at[chunk.draw].double_sided != 0u;
+    uint material = draws.at[chunk.draw].material;
+    bool masked = is_masked(material);
     uint total = count_points(chunk);
     for (uint k = chunk.slice * 64u + gl_LocalInvocationID.x; k < total; k += chunk.slices * 64u) {
         uint triangle = 0u;
@@ -77,13 +46,13 @@ void go_through(Chunk chunk) {
         float area = length(normal);
         normal /= area;
         area *= 0.5;
-        Subdivision parts = subdivision(area, params.max_area);
+        Subdivision parts = subdivision(area, sizes.max_area);
         uint each = points_of_level(parts.level);
         uint sub = within / each;
         float share;
         uvec3 place = small_triangle(within - sub * each, parts.level, share);
+        uvec3 u = uvec3(1u, 0u, 0u), v = uvec3(0u, 1u, 0u), w = uvec3(0u, 0u, 1u);
         if (parts.split > 1u) {
-            uvec3 u, v, w;
             sub_triangle(sub, parts.split, u, v, w);
             mat3 whole = mat3(a, b, c);
             float s = float(parts.split);
@@ -92,10 +61,18 @@ void go_through(Chunk chunk) {
             c = whole * (vec3(w) / s);
             area /= s * s;
         }
-        uvec2 hash = point_hash(corners[triangle], chunk.draw, sub, place, params.seed);
-        area = point_area(area * share, params.max_area, hash.y, THIN);
+        uvec4 hash = point_hash(corners[triangle], chunk.draw, sub, place, params.seed);
+        area = point_area(area * share, sizes.max_area, hash.y, THIN);
         if (area > 0.0) {
             vec3 position = (a * float(place.x) + b * float(place.y) + c * float(place.z)) / float(9u * parts.level);
+            if (masked) {
+                uvec3 thirds[3];
+                small_corners(within - sub * each, parts.level, thirds);
+                mat3 whole = mat3(vec3(thirds[0]), vec3(thirds[1]), vec3(thirds[2])) / float(3u * parts.level);
+                vec3 at = whole * random_weights(thirds[0], thirds[1], thirds[2], hash.zw);
+                position = mat3(a, b, c) * at;
+                if (is_hole(material, corners[triangle], mat3(vec3(u), vec3(v), vec3(w)) * at / float(parts.split))) continue;
+            }
             take(k, total, make_point(position, normal, area, params.diagonal, double_sided), hash);
         }
     }

@@ -24,14 +24,15 @@ impl Default for VisibilityConfig {
     }
 }
 
-/// Imperfect shadow maps: small paraboloid maps of points that the scene's triangles are turned into anew in every frame.
+/// Imperfect shadow maps: small paraboloid maps of points that the scene's triangles are turned into.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct IsmConfig {
     pub renderer: IsmRenderer,
     pub collect: Collect,
     pub points: PointSet,
-    /// Points that the scene's triangles are turned into, about.
+    /// Points of the scene's surfaces, about; `visibility/made-points` is their number. Points in the holes of masked surfaces are among them,
+    /// and are left out of the maps.
     #[schemars(range(min = 1, max = 67_108_864))]
     pub point_count: u32,
     /// Leaves out small triangles at random, so that every point stands for the same area. Otherwise every triangle has a point at least.
@@ -124,7 +125,7 @@ pub enum IsmRenderer {
     Splat,
 }
 
-/// How triangles are turned into points.
+/// How triangles are turned into points. Splats come from the tessellator unless points are stored.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Collect {
@@ -133,6 +134,8 @@ pub enum Collect {
     Compute,
     /// By the tessellator.
     Tessellation,
+    /// Once, when the scene is brought to the device: exactly `point_count` places in triangles, which move with these.
+    Stored,
 }
 
 /// Which points a map gets.
@@ -182,10 +185,10 @@ impl VisibilityConfig {
                     "\"adaptive\" chooses from points that a buffer holds, and splats come from no buffer; take renderer = \"single-pixel\"",
                 );
             }
-            if ism.collect == Collect::Tessellation {
+            if ism.collect != Collect::Compute {
                 return broken(
                     "visibility.ism.points",
-                    "\"adaptive\" needs its points in an order that the tessellator does not keep; take collect = \"compute\"",
+                    "\"adaptive\" needs its points in the order of their triangles, which the tessellator and stored points do not have; take collect = \"compute\"",
                 );
             }
         }
@@ -222,7 +225,12 @@ impl VisibilityConfig {
             let alone =
                 if config.visibility.method == VisibilityMethod::ImperfectShadowMaps { "vpls.sampler" } else { "visibility.method" };
             let unshared = || Unused::new(&["visibility.ism.shared_maps"], &[alone]);
-            return config.shared_maps().is_none().then(unshared).into_iter().collect();
+            let mut unused: Vec<Unused> = config.shared_maps().is_none().then(unshared).into_iter().collect();
+            if config.visibility.ism.collect == Collect::Stored {
+                // Their number is known, and so is each partition's.
+                unused.push(Unused::new(&["visibility.ism.capacity"], &["visibility.ism.collect"]));
+            }
+            return unused;
         }
         let mut keys = vec!["visibility.ism"];
         if all().all(|method| method != VisibilityMethod::Clusters) {

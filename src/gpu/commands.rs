@@ -222,24 +222,43 @@ impl<'g> Commands<'g> {
         unsafe { self.gpu.device.cmd_end_rendering(self.buffer) };
     }
 
-    pub fn bind_geometry(&mut self, vertices: BufferId, indices: BufferId) {
+    /// Binds vertices, and indices if the draws have some.
+    pub fn bind_geometry(&mut self, vertices: BufferId, indices: Option<BufferId>) {
         unsafe {
             self.gpu.device.cmd_bind_vertex_buffers(self.buffer, 0, &[self.gpu.memory.buffer(vertices).handle], &[0]);
+        }
+        let Some(indices) = indices else { return };
+        unsafe {
             self.gpu.device.cmd_bind_index_buffer(self.buffer, self.gpu.memory.buffer(indices).handle, 0, vk::IndexType::UINT32);
         }
     }
 
     /// Draws by `count` `VkDrawIndexedIndirectCommand`s from number `first` on.
     pub fn draw_indexed_indirect(&mut self, arguments: BufferId, first: u32, count: u32) {
-        const STRIDE: u32 = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
+        self.draw_indirect_of(arguments, first, count, true);
+    }
+
+    /// Draws without indices, by `count` `VkDrawIndirectCommand`s from number `first` on.
+    pub fn draw_indirect(&mut self, arguments: BufferId, first: u32, count: u32) {
+        self.draw_indirect_of(arguments, first, count, false);
+    }
+
+    fn draw_indirect_of(&mut self, arguments: BufferId, first: u32, count: u32, indexed: bool) {
+        let bytes = if indexed { size_of::<vk::DrawIndexedIndirectCommand>() } else { size_of::<vk::DrawIndirectCommand>() };
+        let (stride, device) = (bytes as u32, &self.gpu.device);
         let limit = self.gpu.adapter.limits.draw_indirect_count.max(1);
         let mut done = 0;
         while done < count {
             let now = (count - done).min(limit);
-            let offset = u64::from(first + done) * u64::from(STRIDE);
+            let offset = u64::from(first + done) * u64::from(stride);
+            let arguments = self.gpu.memory.buffer(arguments).handle;
             unsafe {
-                self.gpu.device.cmd_draw_indexed_indirect(self.buffer, self.gpu.memory.buffer(arguments).handle, offset, now, STRIDE)
-            };
+                if indexed {
+                    device.cmd_draw_indexed_indirect(self.buffer, arguments, offset, now, stride);
+                } else {
+                    device.cmd_draw_indirect(self.buffer, arguments, offset, now, stride);
+                }
+            }
             done += now;
         }
     }

@@ -6,6 +6,7 @@ use half::f16;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Format {
+    R8Unorm,
     Rg8Unorm,
     Rgba8Unorm,
     /// sRGB-encoded RGB, linear when sampled.
@@ -29,6 +30,7 @@ impl Format {
     /// Bytes of one texel.
     pub fn texel_bytes(self) -> usize {
         match self {
+            Self::R8Unorm => 1,
             Self::Rg8Unorm => 2,
             Self::Rgba8Unorm | Self::Rgba8Srgb | Self::Rg16Snorm | Self::R11G11B10Float => 4,
             Self::R32Uint | Self::R32Float | Self::Depth32 => 4,
@@ -40,7 +42,7 @@ impl Format {
     /// Channels of one texel.
     pub fn channels(self) -> usize {
         match self {
-            Self::R32Uint | Self::R32Float | Self::Depth32 => 1,
+            Self::R8Unorm | Self::R32Uint | Self::R32Float | Self::Depth32 => 1,
             Self::Rg8Unorm | Self::Rg16Snorm | Self::Rg32Float | Self::Rg32Uint => 2,
             Self::R11G11B10Float => 3,
             Self::Rgba8Unorm | Self::Rgba8Srgb | Self::Rgba16Float | Self::Rgba32Float | Self::Rgba32Uint => 4,
@@ -62,6 +64,7 @@ impl Format {
         let short = |i: usize| u16::from_le_bytes([texel[2 * i], texel[2 * i + 1]]);
         let unorm = |i: usize| f32::from(texel[i]) / 255.0;
         match self {
+            Self::R8Unorm => [unorm(0), 0.0, 0.0, 0.0],
             Self::Rg8Unorm => [unorm(0), unorm(1), 0.0, 0.0],
             Self::Rgba8Unorm => [unorm(0), unorm(1), unorm(2), unorm(3)],
             Self::Rgba8Srgb => [srgb_to_linear(unorm(0)), srgb_to_linear(unorm(1)), srgb_to_linear(unorm(2)), unorm(3)],
@@ -84,6 +87,7 @@ impl Format {
 
     pub(super) fn vk(self) -> vk::Format {
         match self {
+            Self::R8Unorm => vk::Format::R8_UNORM,
             Self::Rg8Unorm => vk::Format::R8G8_UNORM,
             Self::Rgba8Unorm => vk::Format::R8G8B8A8_UNORM,
             Self::Rgba8Srgb => vk::Format::R8G8B8A8_SRGB,

@@ -18,6 +18,8 @@ pub struct RasterState {
     pub vertex: VertexLayout,
     pub color: Vec<Format>,
     pub depth: Option<Format>,
+    /// Draws points, one a vertex, in place of triangles.
+    pub points: bool,
     /// Culls triangles that face away.
     pub cull_back: bool,
     /// Blends additively into the colour targets.
@@ -137,7 +139,11 @@ impl Gpu {
         let vertex_input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_attribute_descriptions(&attributes)
             .vertex_binding_descriptions(if attributes.is_empty() { &[] } else { &buffers });
-        let topology = if tessellated { vk::PrimitiveTopology::PATCH_LIST } else { vk::PrimitiveTopology::TRIANGLE_LIST };
+        let topology = match (tessellated, state.points) {
+            (true, _) => vk::PrimitiveTopology::PATCH_LIST,
+            (false, true) => vk::PrimitiveTopology::POINT_LIST,
+            (false, false) => vk::PrimitiveTopology::TRIANGLE_LIST,
+        };
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(topology);
         let tessellation = vk::PipelineTessellationStateCreateInfo::default().patch_control_points(3);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);

@@ -139,7 +139,8 @@ pub(super) fn order(graph: &Graph) -> Result<()> {
         }
         if let Work::Raster { draws, .. } = &pass.work {
             for list in draws {
-                let read = [("arguments", list.arguments), ("vertices", list.vertices), ("indices", list.indices)];
+                let mut read = vec![("arguments", list.arguments), ("vertices", list.vertices)];
+                read.extend(list.indices.map(|indices| ("indices", indices)));
                 if let Some((what, _)) = read.iter().find(|(_, buffer)| !written.contains(&(buffer.index as usize))) {
                     bail!("pass {}: its draw {what} are read before any pass writes them", pass.name);
                 }

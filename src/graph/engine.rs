@@ -214,6 +214,7 @@ impl Engine {
             let count: u32 = bytemuck::pod_read_unaligned(&self.gpu.read_buffer(*buffer)[..4]);
             outcome.counts.push((graph.name(*resource).to_owned(), u64::from(count)));
         }
+        outcome.counts.extend(graph.told.iter().cloned());
         pool.end(&mut self.gpu);
         Ok(outcome)
     }

@@ -111,6 +111,8 @@ pub struct Graph {
     slots: Vec<Slot>,
     passes: Vec<Pass>,
     read_backs: Vec<Resource>,
+    /// Numbers of [`Self::tell`].
+    told: Vec<(String, u64)>,
     warming_up: bool,
     /// Suffix of names, and depth of nested descriptions; see [`Self::again`].
     suffix: String,
@@ -188,6 +190,16 @@ impl Graph {
         let buffer = Buffer { index: self.slots.len() as u32, count: 1 };
         self.add(name, buffer.into(), Some(Element::of::<u32>()), Source::Counted);
         buffer
+    }
+
+    /// A number that the host knows, returned among the counters.
+    pub fn tell(&mut self, name: &str, number: u64) {
+        self.told.push((format!("{name}{}", self.suffix), number));
+    }
+
+    /// Names of the numbers that the host told.
+    pub fn told_names(&self) -> impl Iterator<Item = &str> {
+        self.told.iter().map(|(name, _)| name.as_str())
     }
 
     /// A buffer of `count` structs, zeroed when the frame begins.

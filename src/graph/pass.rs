@@ -22,7 +22,7 @@ pub(super) struct Use {
     pub sampler: Sampler,
 }
 
-/// Indexed triangles that are drawn at once, with all state that differs from other lists.
+/// Indexed triangles, or points, that are drawn at once, with all state that differs from other lists.
 #[derive(Debug, Clone)]
 pub struct DrawList {
     /// Textures of this list alone: binding, image array, sampler.
@@ -33,10 +33,10 @@ pub struct DrawList {
     pub cull_back: bool,
     /// Layout of the vertices in their buffer.
     pub vertex: VertexLayout,
-    /// Vertices and 32-bit indices, imported or written by a pass.
+    /// Vertices and 32-bit indices, imported or written by a pass. Without indices every vertex is a point.
     pub vertices: Buffer,
-    pub indices: Buffer,
-    /// Indirect commands (`VkDrawIndexedIndirectCommand`), and the range of them to draw.
+    pub indices: Option<Buffer>,
+    /// Indirect commands (`VkDrawIndexedIndirectCommand`, `VkDrawIndirectCommand` for points), and the range of them to draw.
     pub arguments: Buffer,
     pub first: u32,
     pub count: u32,
@@ -46,8 +46,13 @@ impl DrawList {
     /// All commands of `arguments`, from both sides, without textures, blocks or constants. `geometry` is the vertices and the indices.
     pub fn new(vertex: VertexLayout, geometry: [Buffer; 2], arguments: Buffer) -> Self {
         let [vertices, indices] = geometry;
+        Self { indices: Some(indices), ..Self::points(vertex, vertices, arguments) }
+    }
+
+    /// All commands of `arguments` over points, without textures, blocks or constants.
+    pub fn points(vertex: VertexLayout, vertices: Buffer, arguments: Buffer) -> Self {
         let (textures, blocks, constants) = (Vec::new(), Vec::new(), Vec::new());
-        Self { textures, blocks, constants, cull_back: false, vertex, vertices, indices, arguments, first: 0, count: arguments.count }
+        Self { textures, blocks, constants, cull_back: false, vertex, vertices, indices: None, arguments, first: 0, count: arguments.count }
     }
 }
 

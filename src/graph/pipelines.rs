@@ -53,6 +53,7 @@ impl Engine {
                 cull_back: list.cull_back,
                 additive: color.iter().any(|target| target.additive),
                 conservative: *conservative,
+                points: list.indices.is_none(),
             }),
         };
         let mut constants = pass.constants.clone();

@@ -186,7 +186,7 @@ pub(super) fn accesses(pass: &Pass) -> Vec<Access> {
         depth.iter().for_each(|(image, _)| add(image.index as usize, Stages::ATTACHMENT, both));
         for list in draws {
             add(list.arguments.index as usize, Stages::INDIRECT, Accesses::INDIRECT_READ);
-            for geometry in [list.vertices, list.indices] {
+            for geometry in [list.vertices].into_iter().chain(list.indices) {
                 add(geometry.index as usize, Stages::VERTEX_INPUT, Accesses::VERTEX_READ);
             }
         }
@@ -221,9 +221,12 @@ fn record(commands: &mut Commands<'_>, ready: &Ready<'_>, local_size: [u32; 3], 
             commands.begin_rendering(size, &color, depth.map(|(image, load)| attachment(image, load)));
             for (list, step) in draws.iter().zip(&ready.steps) {
                 bind(commands, step);
-                let geometry = [list.vertices, list.indices].map(|buffer| placed.buffers[&(buffer.index as usize)]);
-                commands.bind_geometry(geometry[0], geometry[1]);
-                commands.draw_indexed_indirect(placed.buffers[&(list.arguments.index as usize)], list.first, list.count);
+                let id = |buffer: super::Buffer| placed.buffers[&(buffer.index as usize)];
+                commands.bind_geometry(id(list.vertices), list.indices.map(id));
+                match list.indices {
+                    Some(_) => commands.draw_indexed_indirect(id(list.arguments), list.first, list.count),
+                    None => commands.draw_indirect(id(list.arguments), list.first, list.count),
+                }
             }
             commands.end_rendering();
         }

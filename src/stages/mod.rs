@@ -61,8 +61,8 @@ pub fn methods_of(config: &Config) -> Vec<Method> {
     }
     methods.push(Method::of(config.visibility.method));
     if visibility::triangles::needs_triangles(config) {
-        let visibility = &config.visibility;
-        methods.extend([Method::of(visibility.ism.points), Method::of(visibility.ism.collect), Method::of(visibility.ism.renderer)]);
+        let ism = &config.visibility.ism;
+        methods.extend([Method::of(ism.points), Method::of(ism.collect), visibility::renderer(ism)]);
     }
     methods.extend(gather::methods(config));
     methods.extend([Method::of(config.filter.kind), Method::of(config.direct.shadows), Method::of(config.ssao.method), compose::method()]);

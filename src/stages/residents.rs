@@ -1,18 +1,23 @@
 //! Resources that stages make once and keep over frames.
 
 use super::gather::shells::{self, FrameShells, Shells};
+use super::visibility::stored::{FrameSegment, Stored};
 use super::visibility::triangles::{self, FrameTriangles, Triangles};
-use crate::config::Config;
+use crate::config::{Collect, Config};
 use crate::gpu::Gpu;
 use crate::graph::{Buffer, Graph};
+use crate::trace;
 use crate::world::World;
 use anyhow::Result;
+use std::collections::BTreeMap;
 
 /// One field a resource; `None` until a config needs it. The device owns the buffers.
 #[derive(Default)]
 pub struct Residents {
     shells: Option<Shells>,
     triangles: Option<Triangles>,
+    /// Stored points by their number, and whether they are thinned.
+    stored: BTreeMap<(u32, bool), Stored>,
 }
 
 impl Residents {
@@ -27,6 +32,14 @@ impl Residents {
         if self.triangles.is_none() && triangles::needs_triangles(config) {
             self.triangles = Some(Triangles::upload(gpu, world.at_rest())?);
         }
+        let ism = &config.visibility.ism;
+        let (count, thin, wanted) = (ism.point_count, ism.thin, ism.collect == Collect::Stored);
+        if let Some(triangles) = self.triangles.as_ref().filter(|_| wanted && triangles::needs_triangles(config))
+            && !self.stored.contains_key(&(count, thin))
+        {
+            let _span = trace::span("storing points");
+            self.stored.insert((count, thin), Stored::upload(gpu, world.at_rest(), count, thin, triangles.most_bytes)?);
+        }
         Ok(())
     }
 
@@ -35,6 +48,7 @@ impl Residents {
         FrameResidents {
             shells: self.shells.as_ref().map(|shells| shells.import(g)),
             triangles: self.triangles.as_ref().map(|triangles| triangles.import(g)),
+            stored: &self.stored,
         }
     }
 }
@@ -44,6 +58,7 @@ impl Residents {
 pub struct FrameResidents<'f> {
     shells: Option<FrameShells<'f>>,
     triangles: Option<FrameTriangles<'f>>,
+    stored: &'f BTreeMap<(u32, bool), Stored>,
 }
 
 impl<'f> FrameResidents<'f> {
@@ -60,5 +75,10 @@ impl<'f> FrameResidents<'f> {
     /// Triangles that the points of imperfect shadow maps are made from.
     pub fn triangles(&self) -> FrameTriangles<'f> {
         self.triangles.unwrap_or_else(|| unreachable!("triangles::needs_triangles says who makes points"))
+    }
+
+    /// Stored points of this number, in the segments that buffers hold.
+    pub fn stored(&self, g: &mut Graph, count: u32, thin: bool) -> Vec<FrameSegment> {
+        self.stored.get(&(count, thin)).unwrap_or_else(|| unreachable!("points are stored where a config wants them")).import(g)
     }
 }

@@ -6,6 +6,7 @@
 
 use super::bent::{DeviceBending, FrameBending};
 use super::buckets::{Bucket, BucketKey, Motion, PlacedDraw, fill_buckets, material_data, upload_textures};
+use super::masks::{FrameMasks, Masks};
 use crate::fail;
 use crate::gpu::{BufferId, Format, Gpu, ImageId, Sampler, VertexLayout, Wrapping};
 use crate::graph::{Buffer, DrawList, Graph, ListBlock, Member, ShaderStruct};
@@ -117,6 +118,8 @@ pub struct DeviceScene {
     /// A white texel, bound in place of missing maps.
     blank: ImageId,
     buckets: Vec<Bucket>,
+    /// Alpha masks for points; `None` without masked materials.
+    masks: Option<Masks>,
     bending: Option<DeviceBending>,
 }
 
@@ -140,6 +143,8 @@ pub struct FrameScene<'f> {
     pub vertices: Buffer,
     /// Indices, three a triangle.
     pub indices: Buffer,
+    /// Alpha masks for points; `None` without masked materials.
+    pub masks: Option<FrameMasks>,
     /// Meshes that bend.
     pub bending: Option<FrameBending>,
 }
@@ -190,6 +195,7 @@ impl DeviceScene {
             arrays,
             blank: gpu.create_texture_array("scene/blank", Format::Rgba8Unorm, [1, 1], &[&[255; 4]])?,
             buckets,
+            masks: Masks::upload(gpu, scene)?,
             bending,
         })
     }
@@ -227,6 +233,7 @@ impl DeviceScene {
             },
             bending: self.bending.as_ref().map(|bending| bending.import(g)),
             indices: g.import_buffer::<u32>("scene/indices", self.indices.0, self.indices.1),
+            masks: self.masks.as_ref().map(|masks| masks.import(g)),
         }
     }
 }
@@ -330,7 +337,7 @@ impl FrameScene<'_> {
             cull_back: !key.double_sided && maps == Maps::All,
             vertex: VERTEX,
             vertices: self.vertices,
-            indices: self.indices,
+            indices: Some(self.indices),
             arguments,
             first,
             count,

@@ -5,6 +5,7 @@ mod buckets;
 pub mod bvh;
 pub mod device;
 pub mod device_bvh;
+pub mod masks;
 pub mod projection;
 pub mod shot;
 pub mod traced;

@@ -13,6 +13,7 @@ mod flicker;
 mod frames;
 mod functions;
 mod graph;
+mod growth;
 mod importance;
 mod indirect;
 mod ism;
@@ -20,6 +21,7 @@ mod lanes;
 #[path = "../gltf/make.rs"]
 #[allow(dead_code)] // The loader's tests use the rest.
 mod make;
+mod masks;
 mod memory;
 mod points;
 mod reference;
@@ -27,5 +29,6 @@ mod repeat;
 mod sampling;
 mod ssao;
 mod stochastic;
+mod stored;
 mod vertices;
 mod vpls;

@@ -3,7 +3,7 @@
 use crate::common::*;
 use glam::{Vec2, Vec3};
 use manylight::config::{Builtin, Collect, Config, PointSet, SceneConfig, VisibilityMethod};
-use manylight::renderer::Renderer;
+use manylight::renderer::{Rendered, Renderer};
 use manylight::scene::Scene;
 use manylight::scene::pack::octahedral_inverse;
 use manylight::scene::source::load_scene;
@@ -11,13 +11,19 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// A point as in the buffers, by `glsl/visibility/point.glsl`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Point {
-    position: Vec3,
-    packed: u32,
-    partition: usize,
+pub struct Point {
+    pub position: Vec3,
+    pub packed: u32,
+    pub partition: usize,
 }
 
 impl Point {
+    /// Area that the point stands for, m^2, in a scene of this diagonal.
+    pub fn area(&self, diagonal: f32) -> f64 {
+        let radius = f64::from(diagonal) * ((f64::from(self.packed >> 20 & 2047) - 2047.0) / 96.0).exp2();
+        std::f64::consts::PI * radius * radius
+    }
+
     fn normal(&self) -> Vec3 {
         octahedral_inverse((Vec2::new((self.packed & 1023) as f32, (self.packed >> 10 & 1023) as f32) - 512.0) / 511.0)
     }
@@ -29,7 +35,7 @@ impl Point {
     }
 }
 
-fn config(points: u32) -> Config {
+pub fn config(points: u32) -> Config {
     let mut config = plain([64, 36], Vec3::new(0.1, 1.0, 0.2), Vec3::new(0.3, 0.9, -1.0), 60.0, directional(Vec3::NEG_Y, [1.0; 3]));
     config.visibility.method = VisibilityMethod::ImperfectShadowMaps;
     config.visibility.ism.point_count = points;
@@ -38,24 +44,42 @@ fn config(points: u32) -> Config {
     config
 }
 
-fn points(renderer: &mut Renderer, config: &Config) -> Vec<Point> {
+/// The points of a frame, by partition.
+pub fn points(renderer: &mut Renderer, config: &Config, frame: u32) -> Vec<Point> {
+    points_of(&points_rendered(renderer, config, frame))
+}
+
+/// A frame with its points.
+pub fn points_rendered(renderer: &mut Renderer, config: &Config, frame: u32) -> Rendered {
     let pass = match config.visibility.ism.collect {
         Collect::Compute => "visibility/points-computed",
         Collect::Tessellation => "visibility/points-tessellated",
+        Collect::Stored => "visibility/points-stored",
     };
-    let rendered = dump(renderer, config, 0, &[pass]);
-    let words = |name: &str| -> Vec<u32> { words(dumped(&rendered, name)).collect() };
-    let (buffer, fill) = (words("visibility/points"), words("visibility/fill"));
+    dump(renderer, config, frame, &[pass])
+}
+
+pub fn points_of(rendered: &Rendered) -> Vec<Point> {
+    let words = |name: &str| -> Vec<u32> { words(dumped(rendered, name)).collect() };
+    let buffer = words("visibility/points");
+    if rendered.dumps.iter().all(|dump| dump.resource != "visibility/fill") {
+        // Stored points, all in one piece.
+        return buffer.chunks_exact(4).map(|p| point(p, 0)).collect();
+    }
+    let fill = words("visibility/fill");
     let capacity = buffer.len() / 4 / fill.len();
     let mut all = Vec::new();
     for (partition, held) in fill.iter().enumerate() {
         assert!(*held as usize <= capacity, "partition {partition} holds {held} of {capacity}");
         for p in buffer[4 * partition * capacity..].chunks_exact(4).take(*held as usize) {
-            let position = Vec3::from_array([p[0], p[1], p[2]].map(f32::from_bits));
-            all.push(Point { position, packed: p[3], partition });
+            all.push(point(p, partition));
         }
     }
     all
+}
+
+fn point(words: &[u32], partition: usize) -> Point {
+    Point { position: Vec3::from_array([words[0], words[1], words[2]].map(f32::from_bits)), packed: words[3], partition }
 }
 
 /// The pool of points that adaptive maps draw from, without its empty places, and the points drawn for the VPLs' maps.
@@ -63,11 +87,10 @@ fn pool(renderer: &mut Renderer, config: &Config) -> (Vec<Point>, Vec<Point>) {
     let mut config = config.clone();
     config.visibility.ism.points = PointSet::Adaptive;
     let rendered = dump(renderer, &config, 0, &["visibility/pool-scan", "visibility/pool-points", "visibility/points-adaptive"]);
-    let point = |p: &[u32]| Point { position: Vec3::from_array([p[0], p[1], p[2]].map(f32::from_bits)), packed: p[3], partition: 0 };
     let words = |name: &str| words(dumped(&rendered, name)).collect::<Vec<u32>>();
     let (places, drawn) =
         (*words("visibility/pool-begins").last().unwrap() as usize, words("visibility/fill").iter().sum::<u32>() as usize);
-    let all = |name: &str, count: usize| words(name).chunks_exact(4).take(count).map(point).collect::<Vec<_>>();
+    let all = |name: &str, count: usize| words(name).chunks_exact(4).take(count).map(|p| point(p, 0)).collect::<Vec<_>>();
     let pool = all("visibility/pool", places).into_iter().filter(|point| point.packed != 0).collect();
     (pool, all("visibility/points", drawn))
 }
@@ -103,7 +126,7 @@ fn both_ways_of_collecting_make_the_same_points() {
         let mut sets = [Collect::Compute, Collect::Tessellation].map(|collect| {
             config.visibility.ism.collect = collect;
             let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
-            let points = points(&mut renderer, &config);
+            let points = points(&mut renderer, &config, 0);
             points.iter().for_each(|point| *counts.entry(point.partition).or_default() += 1);
             (points, counts)
         });
@@ -136,12 +159,16 @@ fn small_triangles_are_thinned_for_adaptive_points_as_for_uniform_ones() {
     };
     let counts = [false, true].map(|thin| {
         config.visibility.ism.thin = thin;
-        let uniform = points(&mut renderer, &config);
+        let rendered = points_rendered(&mut renderer, &config, 0);
+        let uniform = points_of(&rendered);
         let (pool, drawn) = pool(&mut renderer, &config);
         assert_eq!(sorted(&uniform), sorted(&pool), "thinned: {thin}");
         let places: BTreeSet<[u32; 3]> = pool.iter().map(|point| point.position.to_array().map(f32::to_bits)).collect();
         assert!(drawn.len() > 1000 && drawn.iter().all(|point| places.contains(&point.position.to_array().map(f32::to_bits))));
-        pool.len()
+        // Leaves have holes.
+        let (made, holes) = (count(&rendered, "visibility/made-points"), count(&rendered, "visibility/points-in-holes"));
+        assert!(holes > 0 && made == pool.len() as u64 + holes, "{made} points, {holes} in holes, {} left", pool.len());
+        made
     });
     println!("{} points, thinned {}", counts[0], counts[1]);
     assert!(counts[0] >= 20_000 && (1_800..2_200).contains(&counts[1]), "{counts:?}");

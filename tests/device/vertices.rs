@@ -76,6 +76,7 @@ fn make_then_draw(ordered: bool) -> Vec<String> {
         vertex: VERTEX,
         color: vec![Format::Rgba32Float],
         depth: None,
+        points: false,
         cull_back: false,
         additive: false,
         conservative: false,
@@ -102,7 +103,7 @@ fn make_then_draw(ordered: bool) -> Vec<String> {
         }
         commands.begin_rendering([16, 8], &[Attachment { image: target, load: Load::Clear([0.0; 4]) }], None);
         commands.bind(draw);
-        commands.bind_geometry(vertices, indices);
+        commands.bind_geometry(vertices, Some(indices));
         commands.draw_indexed_indirect(arguments, 0, 1);
         commands.end_rendering();
     })

@@ -1,32 +1,24 @@
 //! Imperfect shadow maps (Ritschel et al. 2008; Linke 2016, sections 3.3 and 4.4): a small paraboloid map for every VPL, splatted from
 //! points of the scene's triangles. Each map gets other points.
 
-use super::points::{self, Points, PointsParams};
-use super::{Visibility, VisibilityConfig, adaptive, pull_push};
+use super::points::{self, Points};
+use super::{Visibility, VisibilityConfig, adaptive, pull_push, splat};
 use crate::config::{IsmRenderer, Lookup, PointSet};
 use crate::gpu::Format;
 use crate::graph::{ComputePass, Graph, Image};
 use crate::shader_struct;
+use crate::stages::facts::planned_turns;
 use crate::stages::surroundings::Surroundings;
 use crate::stages::vpls::Vpls;
 
 shader_struct! {
-    struct ClearParams {
-        size: [i32; 2],
-    }
-
-    /// `glsl/visibility/splat.geom`.
-    struct SplatBlock {
-        size: [i32; 2],
-        columns: u32,
-        considered: u32,
-        collected: u32,
-        far: f32,
-        enlarge: f32,
+    pub(super) struct ClearParams {
+        pub size: [i32; 2],
     }
 
     struct SinglePixelParams {
         count: u32,
+        first: u32,
         shares: u32,
         considered: u32,
         collected: u32,
@@ -42,7 +34,9 @@ shader_struct! {
 const SINGLE_PIXEL_ENLARGE: f32 = 1.0;
 const ADAPTIVE_ENLARGE: f32 = 1.1;
 const TILTED_ENLARGE: f32 = 1.25;
-const SPLAT_ENLARGE: f32 = 0.9;
+
+/// Points that a workgroup draws, at most: each takes a lane up to 65 loop turns.
+const POINTS_A_GROUP: u32 = 64 * (planned_turns(16_640) / 65) as u32;
 
 /// Maps of all VPLs, tiled in one image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,7 +55,7 @@ pub struct Ism {
 }
 
 /// Columns and rows of the tiling of `count` maps: nearly a square, rows filled first.
-fn layout(count: u32) -> [u32; 2] {
+pub(super) fn layout(count: u32) -> [u32; 2] {
     let columns = f64::from(count).sqrt().ceil() as u32;
     [columns, count.div_ceil(columns)]
 }
@@ -77,7 +71,7 @@ pub fn partition_capacity(config: &VisibilityConfig, points: f64, partitions: u3
 pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Visibility {
     let maps = match config.ism.renderer {
         IsmRenderer::SinglePixel => single_pixel(g, around, vpls, config),
-        IsmRenderer::Splat => splat(g, around, vpls, config),
+        IsmRenderer::Splat => splat::render(g, around, vpls, config),
     };
     let far = around.scene.bounds().size().length();
     Visibility::Ism(Ism {
@@ -98,13 +92,13 @@ fn bias(config: &VisibilityConfig, count: u32) -> f32 {
 }
 
 /// VPLs that a point is tested against.
-fn considered(config: &VisibilityConfig, count: u32) -> u32 {
+pub(super) fn considered(config: &VisibilityConfig, count: u32) -> u32 {
     let default = if config.ism.renderer == IsmRenderer::Splat { 1 } else { 16 };
     config.ism.considered.unwrap_or(default).min(count)
 }
 
 /// Maps that a point is drawn into, at most.
-fn collected(config: &VisibilityConfig, count: u32) -> u32 {
+pub(super) fn collected(config: &VisibilityConfig, count: u32) -> u32 {
     let default = if config.ism.renderer == IsmRenderer::Splat { 1 } else { 4 };
     config.ism.collected.unwrap_or(default).min(considered(config, count))
 }
@@ -113,20 +107,31 @@ fn collected(config: &VisibilityConfig, count: u32) -> u32 {
 fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
     let points = match config.ism.points {
         PointSet::Uniform => points::collect(g, around, vpls.count, config),
-        PointSet::Adaptive => adaptive::choose(g, around, vpls, config.ism.point_count, collected(config, vpls.count), config.ism.thin),
+        PointSet::Adaptive => {
+            vec![adaptive::choose(g, around, vpls, config.ism.point_count, collected(config, vpls.count), config.ism.thin)]
+        }
     };
     let [columns, rows] = layout(vpls.count);
     let size = [columns * config.ism.map_size, rows * config.ism.map_size];
     let target = g.image("visibility/single-pixels", Format::R32Uint, size);
     clear(g, "visibility/clear", target);
-    let drawn = Drawing { around, vpls, points, columns, config };
+    let drawing = Drawing { around, vpls, columns, config };
     let counts = [g.count("visibility/dropped-points"), g.count("visibility/drawn-points")];
-    let pass = g.compute("visibility/single-pixel").updates("target", target).updates("dropped", counts[0]).updates("drawn", counts[1]);
-    drawn.dispatch(pass);
+    for (number, points) in (1..).zip(&points) {
+        g.again(number, |g| {
+            let pass = g.compute("visibility/single-pixel").updates("target", target);
+            drawing.dispatch(points, pass.updates("dropped", counts[0]).updates("drawn", counts[1]));
+        });
+    }
     let tilts = config.ism.normals.then(|| {
         let tilts = g.image("visibility/tilts", Format::R32Uint, size);
         clear(g, "visibility/clear-tilts", tilts);
-        drawn.dispatch(g.compute("visibility/single-pixel-normals").reads("target", target).updates("tilts", tilts));
+        for (number, points) in (1..).zip(&points) {
+            g.again(number, |g| {
+                let pass = g.compute("visibility/single-pixel-normals").reads("target", target);
+                drawing.dispatch(points, pass.updates("tilts", tilts));
+            });
+        }
         tilts
     });
     pull_push::fill(g, target, tilts, config)
@@ -145,14 +150,13 @@ fn clear(g: &mut Graph, name: &'static str, target: Image) {
 struct Drawing<'f> {
     around: Surroundings<'f>,
     vpls: &'f Vpls,
-    points: Points,
     columns: u32,
     config: &'f VisibilityConfig,
 }
 
 impl Drawing<'_> {
-    fn dispatch(&self, pass: ComputePass<'_>) {
-        let Self { around, vpls, points, columns, config } = self;
+    fn dispatch(&self, points: &Points, pass: ComputePass<'_>) {
+        let Self { around, vpls, columns, config } = self;
         let own = config.ism.points == PointSet::Adaptive;
         let diagonal = around.scene.bounds().size().length();
         pass.reads("points", points.points)
@@ -162,8 +166,10 @@ impl Drawing<'_> {
             .constant("MAP_SIZE", config.ism.map_size)
             .constant("DISTORTION", config.ism.distortion)
             .constant("ROUND", !config.ism.normals)
+            .constant("GAPS", points.gaps)
             .params(&SinglePixelParams {
                 count: vpls.count,
+                first: points.first,
                 shares: if own { 1 } else { vpls.count },
                 considered: if own { 1 } else { considered(config, vpls.count) },
                 collected: if own { 1 } else { collected(config, vpls.count) },
@@ -176,50 +182,6 @@ impl Drawing<'_> {
                     PointSet::Uniform => SINGLE_PIXEL_ENLARGE,
                 }),
             })
-            .dispatch_groups([points.partitions, 1, 1]);
+            .dispatch_groups([points.partitions, points.each.div_ceil(POINTS_A_GROUP).max(1), 1]);
     }
-}
-
-/// Points as squares of their size, drawn directly from the tessellator (section 4.4.2).
-fn splat(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
-    let [columns, rows] = layout(vpls.count);
-    let size = [columns * config.ism.map_size, rows * config.ism.map_size];
-    let splats = g.image("visibility/splats", Format::Depth32, size);
-    let maps = g.image("visibility/maps", Format::R32Float, size);
-    let max_area = around.residents.triangles().table.max_area(config.ism.point_count, config.ism.thin);
-    let diagonal = around.scene.bounds().size().length();
-    let collected = collected(config, vpls.count);
-    let block = g.upload(
-        "visibility/splat",
-        &[SplatBlock {
-            size: size.map(|n| n as i32),
-            columns,
-            considered: considered(config, vpls.count),
-            collected,
-            far: diagonal,
-            enlarge: config.ism.enlarge.unwrap_or(SPLAT_ENLARGE),
-        }],
-    );
-    let patches = around.residents.triangles().table.patch_list(g, around.scene, "visibility/patches", max_area);
-    let params = PointsParams { max_area, diagonal, partitions: vpls.count, capacity: 0, seed: around.wants.seed };
-    // A geometry stage that may emit many points is slow even where it emits one.
-    let most = if collected > 1 { "visibility/most-several" } else { "visibility/most-one" };
-    g.raster("visibility/splat")
-        .part("most", most)
-        .reads("draws", around.scene.draws)
-        .reads("places", vpls.places)
-        .reads("splat", block)
-        .constant("THIN", config.ism.thin)
-        .constant("MAP_SIZE", config.ism.map_size)
-        .constant("DISTORTION", config.ism.distortion)
-        .constant("CLAMP", config.ism.clamp)
-        .params(&params)
-        .depth(splats)
-        .draw(patches);
-    g.compute("visibility/splat-distances")
-        .reads("splats", splats)
-        .writes("maps", maps)
-        .params(&ClearParams { size: size.map(|n| n as i32) })
-        .dispatch([size[0], size[1], 1]);
-    maps
 }

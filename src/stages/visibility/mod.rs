@@ -1,11 +1,17 @@
 //! Visibility of VPLs from receivers.
 
 mod adaptive;
+mod areas;
+mod density;
 mod ism;
+mod masks;
 mod points;
+mod poses;
 mod pull_push;
 mod ray_traced;
 mod shared;
+mod splat;
+pub mod stored;
 pub mod triangles;
 
 pub use ism::{Ism, partition_capacity};
@@ -14,10 +20,10 @@ pub use shared::MOST_TEXELS_A_MAP;
 
 use super::bounce::{Bounce, VplClusters};
 use super::facts::Facts;
-use super::methods::{Choice, NOTHING, Needs};
+use super::methods::{Choice, Method, NOTHING, Needs};
 use super::surroundings::Surroundings;
 use super::vpls::Vpls;
-use crate::config::{Collect, Config, IsmRenderer, Lookup, PointSet, VisibilityConfig, VisibilityMethod};
+use crate::config::{Collect, Config, IsmConfig, IsmRenderer, Lookup, PointSet, VisibilityConfig, VisibilityMethod};
 use crate::fail;
 use crate::gpu::Feature;
 use crate::graph::{Buffer, Graph, Image, counted};
@@ -63,7 +69,7 @@ impl Choice for Collect {
 
     fn needs(self) -> Needs {
         match self {
-            Self::Compute => NOTHING,
+            Self::Compute | Self::Stored => NOTHING,
             Self::Tessellation => &[&[Feature::TessellationShader, Feature::GeometryShader, Feature::VertexPipelineStores]],
         }
     }
@@ -77,6 +83,14 @@ impl Choice for IsmRenderer {
             Self::SinglePixel => NOTHING,
             Self::Splat => &[&[Feature::TessellationShader, Feature::GeometryShader, Feature::LargePoints]],
         }
+    }
+}
+
+/// The renderer of imperfect shadow maps, with the features it needs. Splats of stored points need no tessellator.
+pub fn renderer(ism: &IsmConfig) -> Method {
+    match (ism.renderer, ism.collect) {
+        (IsmRenderer::Splat, Collect::Stored) => Method::only(IsmRenderer::KEY, "splat", &[&[Feature::LargePoints]]),
+        (renderer, _) => Method::of(renderer),
     }
 }
 
@@ -112,14 +126,26 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     Ok(())
 }
 
+/// Share by which the number of points may miss what was asked for without a warning.
+const MISSED: f64 = 0.25;
+
 /// Warnings about a frame's maps, from its counters.
 pub fn warnings_of_frame(counts: &[(String, u64)]) -> Vec<String> {
-    let warning = |count| {
+    let lost = |count| {
         format!(
             "visibility.ism.capacity: {count} points came to partitions that do not hold as many and were left out; raise it, or leave it to the program"
         )
     };
-    counted(counts, "visibility/dropped-points").filter(|count| *count > 0).map(warning).collect()
+    let missed = |(made, asked): (u64, u64)| {
+        let why = if made > asked { "every triangle has one at least" } else { "large triangles have theirs in steps" };
+        format!(
+            "visibility.ism.point_count: {asked} points were asked for, and there are {made}: {why}; visibility.ism.thin = true comes near, and collect = \"stored\" gives as many"
+        )
+    };
+    let made = counted(counts, "visibility/made-points").zip(counted(counts, "visibility/asked-points"));
+    let far = made.filter(|(made, asked)| made.abs_diff(*asked) as f64 > MISSED * *asked as f64);
+    let dropped = counted(counts, "visibility/dropped-points").filter(|count| *count > 0);
+    dropped.map(lost).chain(far.map(missed)).collect()
 }
 
 /// VPLs of each bounce with their visibility: by the config's method for the first bounce, by `bounce.visibility` for further ones.

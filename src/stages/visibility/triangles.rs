@@ -1,12 +1,15 @@
 //! Triangles of a scene, prepared for the points of imperfect shadow maps: positions without other attributes, chunks of one workgroup
-//! each, and a histogram of areas. They are made once, from the scene at rest.
+//! each, and a histogram of areas. They are made once, with every triangle as large as it ever is ([`Poses`]).
 
+use super::areas::{Areas, subdivision};
+use super::poses::Poses;
 use crate::config::{Config, VisibilityMethod};
+use crate::fail;
 use crate::gpu::{BufferId, Gpu};
-use crate::graph::{Buffer, DrawList, Graph};
+use crate::graph::{Buffer, Graph};
 use crate::scene::Scene;
 use crate::shader_struct;
-use crate::world::device::{DrawArguments, FrameScene, VERTEX};
+use crate::world::device::DrawArguments;
 use anyhow::Result;
 use rayon::prelude::*;
 
@@ -16,7 +19,7 @@ pub fn needs_triangles(config: &Config) -> bool {
 }
 
 shader_struct! {
-    /// Triangles of one draw for one workgroup: `glsl/visibility/points-computed.comp`.
+    /// Triangles of one draw for one workgroup: `glsl/visibility/chunk.glsl`.
     pub struct ChunkData {
         pub first_index: u32,
         pub triangles: u32,
@@ -32,6 +35,9 @@ shader_struct! {
 const CHUNK: u32 = 64;
 /// Points that a workgroup makes, at most, roughly.
 const POINTS_A_GROUP: f64 = 2048.0;
+/// Triangles drawn with one number of instances, at most, and where that number changes with time.
+const MOST_DRAWN: u32 = 4096;
+const MOST_DRAWN_GROWING: u32 = 1024;
 
 /// Prepared triangles of a scene. The device owns the buffers.
 pub struct Triangles {
@@ -41,6 +47,10 @@ pub struct Triangles {
     bends: bool,
     chunks: Vec<Chunk>,
     areas: Areas,
+    /// Whether the area of any triangle changes with time.
+    pub grows: bool,
+    /// Bytes of a buffer of points, at most: 128 MiB, and less where the device lets shaders see less.
+    pub most_bytes: u64,
 }
 
 /// The part of a chunk that is the same in all frames.
@@ -49,6 +59,8 @@ struct Chunk {
     /// Area of all its triangles, and of the largest, m^2.
     area: f32,
     largest: f32,
+    /// Whether its material has an alpha mask.
+    masked: bool,
 }
 
 /// The triangles in one frame's graph.
@@ -59,37 +71,63 @@ pub struct FrameTriangles<'f> {
     pub positions: Buffer,
 }
 
+/// Patches that are drawn with one number of instances.
+pub struct Patches {
+    pub arguments: DrawArguments,
+    /// The chunks that they are.
+    pub first_chunk: u32,
+    pub chunks: u32,
+    /// Whether their material has an alpha mask.
+    pub masked: bool,
+}
+
 impl Triangles {
+    /// Prepares the triangles of a scene, which stands at second 0 of its animation.
+    ///
+    /// # Errors
+    /// `BadInput` if the vertices or indices are more than shaders can see; the device's own, when memory runs out.
     pub fn upload(gpu: &mut Gpu, scene: &Scene) -> Result<Self> {
+        let limit = gpu.adapter.limits.storage_buffer_bytes;
+        let bytes = (12 * scene.vertices.len() as u64).max(4 * scene.indices.len() as u64);
+        if bytes > limit {
+            return Err(fail!(
+                BadInput,
+                "{}: points of its {} triangles need {} MB in a buffer, over the {} MB that {} lets a shader see; take another visibility.method or lower scene.triangles",
+                scene.name,
+                scene.triangle_count(),
+                bytes >> 20,
+                limit >> 20,
+                gpu.adapter.name
+            ));
+        }
         let positions: Vec<[f32; 3]> = scene.vertices.par_iter().map(|vertex| vertex.position).collect();
+        let poses = Poses::of(scene);
         let (mut chunks, mut areas) = (Vec::new(), Areas::default());
         for (number, draw) in scene.draws.iter().enumerate() {
-            let corners: Vec<_> = scene.draw_vertices(draw).map(|v| draw.transform.transform_point3(v.position.into())).collect();
-            for (i, triangles) in corners.chunks(3 * CHUNK as usize).enumerate() {
-                let (mut sum, mut largest) = (0.0, 0.0f32);
-                for t in triangles.chunks_exact(3) {
-                    let area = 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).length();
-                    areas.add(area);
-                    sum += area;
-                    largest = largest.max(area);
-                }
+            let masked = scene.materials[draw.material as usize].alpha_cutoff.is_some();
+            for (i, triangles) in poses.areas(scene, number).chunks(CHUNK as usize).enumerate() {
+                triangles.iter().for_each(|area| areas.add(*area));
                 let data = ChunkData {
                     first_index: draw.first_index + 3 * CHUNK * i as u32,
-                    triangles: triangles.len() as u32 / 3,
+                    triangles: triangles.len() as u32,
                     vertex_offset: draw.vertex_offset,
                     draw: number as u32,
                     slice: 0,
                     slices: 1,
                 };
-                chunks.push(Chunk { data, area: sum, largest });
+                let largest = triangles.iter().copied().fold(0.0, f32::max);
+                chunks.push(Chunk { data, area: triangles.iter().sum(), largest, masked });
             }
         }
+        chunks.sort_by_key(|chunk| chunk.masked);
         Ok(Self {
             positions: gpu.create_filled_buffer("scene/positions", bytemuck::cast_slice(&positions))?,
             vertex_count: positions.len() as u32,
             bends: scene.bending.is_some(),
             chunks,
             areas,
+            grows: poses.grows,
+            most_bytes: limit.min(128 << 20),
         })
     }
 
@@ -103,31 +141,33 @@ impl Triangles {
         FrameTriangles { table: self, positions }
     }
 
-    /// All triangles as patches to tessellate, without materials and without culling.
-    pub fn patch_list(&self, g: &mut Graph, scene: FrameScene<'_>, name: &str, max_area: f32) -> Vec<DrawList> {
-        let patches = self.patches(max_area);
-        if patches.is_empty() {
-            return Vec::new();
-        }
-        let arguments = g.upload(name, &patches);
-        vec![DrawList::new(VERTEX, [scene.vertices, scene.indices], arguments)]
-    }
-
-    /// Chunks for `max_area`, one element a workgroup; a chunk that gives many points is shared by several workgroups.
-    pub fn chunks(&self, max_area: f32) -> Vec<ChunkData> {
+    /// Chunks for `max_area`, one element a workgroup; a chunk that gives many points is shared by several workgroups. Chunks with masks come
+    /// last, and the number of the others' elements is returned too.
+    pub fn chunks(&self, max_area: f32) -> (Vec<ChunkData>, usize) {
         let slices = |chunk: &Chunk| {
             let points = f64::from(chunk.data.triangles) + 1.5 * f64::from(chunk.area) / f64::from(max_area);
             let slices = (points / POINTS_A_GROUP).ceil().clamp(1.0, 4096.0) as u32;
             let chunk = chunk.data;
             (0..slices).map(move |slice| ChunkData { slice, slices, ..chunk })
         };
-        self.chunks.iter().flat_map(slices).collect()
+        let (whole, masked) = self.chunks.split_at(self.chunks.partition_point(|chunk| !chunk.masked));
+        let mut all: Vec<ChunkData> = whole.iter().flat_map(slices).collect();
+        let count = all.len();
+        all.extend(masked.iter().flat_map(slices));
+        (all, count)
     }
 
-    /// Draw arguments of all triangles as patches, with an instance for each part that the chunk's largest triangle is split into.
-    pub fn patches(&self, max_area: f32) -> Vec<DrawArguments> {
-        let mut draws: Vec<DrawArguments> = Vec::new();
-        for Chunk { data, largest, .. } in &self.chunks {
+    /// All chunks, one element each.
+    pub fn whole_chunks(&self) -> Vec<ChunkData> {
+        self.chunks.iter().map(|chunk| chunk.data).collect()
+    }
+
+    /// All triangles as patches, with an instance for each part that the largest of them is split into. Where areas change, the instances
+    /// are those of the largest areas, and draws are smaller, so that few patches stand by for the parts of another. Masked ones come last.
+    pub fn patches(&self, max_area: f32) -> Vec<Patches> {
+        let most = if self.grows { MOST_DRAWN_GROWING } else { MOST_DRAWN };
+        let mut draws: Vec<Patches> = Vec::new();
+        for (i, Chunk { data, largest, masked, .. }) in self.chunks.iter().enumerate() {
             // The device's rounding may make it one part more.
             let split = subdivision(f64::from(*largest) * 1.001, f64::from(max_area)).0 as u32;
             let arguments = DrawArguments {
@@ -138,15 +178,16 @@ impl Triangles {
                 first_instance: data.draw,
             };
             match draws.last_mut() {
-                Some(last)
+                Some(Patches { arguments: last, chunks, .. })
                     if DrawArguments { index_count: 0, first_index: 0, ..*last }
                         == DrawArguments { index_count: 0, first_index: 0, ..arguments }
                         && last.first_index + last.index_count == arguments.first_index
-                        && last.index_count < 3 * 4096 =>
+                        && last.index_count < 3 * most =>
                 {
                     last.index_count += arguments.index_count;
+                    *chunks += 1;
                 }
-                _ => draws.push(arguments),
+                _ => draws.push(Patches { arguments, first_chunk: i as u32, chunks: 1, masked: *masked }),
             }
         }
         draws
@@ -158,90 +199,19 @@ impl Triangles {
         self.areas.max_area(f64::from(points), thin)
     }
 
+    /// Slots that points take before small triangles are thinned out, if `points` are left, at most.
+    pub fn slots(&self, points: u32) -> f64 {
+        let max_area = self.max_area(points, true);
+        if !self.grows {
+            return self.points(max_area, false);
+        }
+        // A triangle just over the largest area has six small ones.
+        let triangles: u32 = self.chunks.iter().map(|chunk| chunk.data.triangles).sum();
+        f64::from(triangles) + 6.0 * f64::from(points)
+    }
+
     /// Points that `max_area` gives: the expected number if small triangles are thinned, else an upper bound.
     pub fn points(&self, max_area: f32, thin: bool) -> f64 {
         self.areas.points(max_area, thin)
     }
 }
-
-/// Histogram of triangle areas, binned by logarithm.
-#[derive(Debug, Clone)]
-struct Areas {
-    bins: Vec<Bin>,
-}
-
-/// Triangles of about the same area.
-#[derive(Debug, Clone, Default)]
-struct Bin {
-    count: f64,
-    sum: f64,
-    largest: f64,
-}
-
-impl Default for Areas {
-    fn default() -> Self {
-        Self { bins: vec![Bin::default(); Self::BINS] }
-    }
-}
-
-impl Areas {
-    const BINS: usize = 4096;
-    const PER_OCTAVE: f32 = 48.0;
-    /// Relative rounding error of an area on the device.
-    const ROUNDING: f64 = 1e-5;
-
-    fn total(&self) -> f64 {
-        self.bins.iter().map(|bin| bin.sum).sum()
-    }
-
-    fn add(&mut self, area: f32) {
-        if area > 0.0 {
-            let bin = (area.log2() * Self::PER_OCTAVE) as i64 + Self::BINS as i64 / 2;
-            let bin = &mut self.bins[bin.clamp(0, Self::BINS as i64 - 1) as usize];
-            bin.count += 1.0;
-            bin.sum += f64::from(area);
-            bin.largest = bin.largest.max(f64::from(area));
-        }
-    }
-
-    fn points(&self, max_area: f32, thin: bool) -> f64 {
-        let max_area = f64::from(max_area);
-        if thin {
-            return self.total() / max_area;
-        }
-        // Bounded by the largest area of each bin, plus the device's rounding. A mesh of equal triangles may lie just where the next
-        // tessellation level begins, and would otherwise give more points than there is room for.
-        let some = self.bins.iter().filter(|bin| bin.count > 0.0);
-        some.map(|bin| bin.count * points_of_triangle(bin.largest * (1.0 + Self::ROUNDING), max_area)).sum()
-    }
-
-    fn max_area(&self, points: f64, thin: bool) -> f32 {
-        let total = self.total();
-        if thin {
-            return (total / points) as f32;
-        }
-        // The number of points falls as the area of one rises.
-        let (mut low, mut high) = (total.max(1e-30).ln() - 40.0, total.max(1e-30).ln() + 1.0);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if self.points(middle.exp() as f32, thin) > points { low = middle } else { high = middle }
-        }
-        high.exp() as f32
-    }
-}
-
-/// Points of a triangle, by `subdivision` of `glsl/visibility/point.glsl`.
-fn points_of_triangle(area: f64, max_area: f64) -> f64 {
-    let (split, n) = subdivision(area, max_area);
-    split * split * (1.5 * n * n).floor()
-}
-
-/// Parts that a side of a triangle is cut into, and the tessellation level of each part: `glsl/visibility/point.glsl`.
-fn subdivision(area: f64, max_area: f64) -> (f64, f64) {
-    let level = |area: f64| if area <= max_area { 1.0 } else { (area * (2.0 / 3.0) / max_area).sqrt().ceil().max(2.0) };
-    let split = (level(area) / MOST_LEVEL).ceil();
-    (split, level(area / (split * split)).min(MOST_LEVEL))
-}
-
-/// Highest tessellation level at which no driver loses patches: `MOST_LEVEL` of `glsl/visibility/point.glsl`.
-const MOST_LEVEL: f64 = 15.0;
