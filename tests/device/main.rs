@@ -24,6 +24,7 @@ mod points;
 mod reference;
 mod repeat;
 mod sampling;
+mod sky;
 mod ssao;
 mod stochastic;
 mod vertices;

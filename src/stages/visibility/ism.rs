@@ -3,9 +3,9 @@
 
 use super::points::{self, Points, PointsParams};
 use super::{Visibility, VisibilityConfig, adaptive, pull_push};
-use crate::config::{IsmRenderer, Lookup, PointSet};
+use crate::config::{IsmConfig, IsmRenderer, Lookup, PointSet};
 use crate::gpu::Format;
-use crate::graph::{ComputePass, Graph, Image};
+use crate::graph::{Buffer, ComputePass, Graph, Image};
 use crate::shader_struct;
 use crate::stages::surroundings::Surroundings;
 use crate::stages::vpls::Vpls;
@@ -13,6 +13,18 @@ use crate::stages::vpls::Vpls;
 shader_struct! {
     struct ClearParams {
         size: [i32; 2],
+    }
+
+    /// `glsl/visibility/sky-frame.glsl`: of a direction's orthographic map.
+    pub struct SkyFrame {
+        /// Vector of which the dot product with that from the VPL to a point is the point's place across, in [-1, 1].
+        pub right: [f32; 3],
+        /// Mean length of `right` and `up`, 1/m.
+        pub scale: f32,
+        /// The same for the place down.
+        pub up: [f32; 3],
+        /// 1 / (scale * far).
+        pub extent: f32,
     }
 
     /// `glsl/visibility/splat.geom`.
@@ -43,6 +55,18 @@ const SINGLE_PIXEL_ENLARGE: f32 = 1.0;
 const ADAPTIVE_ENLARGE: f32 = 1.1;
 const TILTED_ENLARGE: f32 = 1.25;
 const SPLAT_ENLARGE: f32 = 0.9;
+/// The same for orthographic maps of all of the scene. A ray that finds a hole in an outer wall lights a room.
+const SKY_ENLARGE: f32 = 1.5;
+const SKY_SPLAT_ENLARGE: f32 = 1.3;
+
+/// How a map projects the scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Projection {
+    /// The hemisphere that a VPL faces.
+    Paraboloid,
+    /// All of the scene, from infinitely far away: a [`SkyFrame`] a map.
+    Orthographic(Buffer),
+}
 
 /// Maps of all VPLs, tiled in one image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,19 +99,38 @@ pub fn partition_capacity(config: &VisibilityConfig, points: f64, partitions: u3
 
 /// Renders the maps with the config's renderer.
 pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Visibility {
+    Visibility::Ism(projected(g, around, vpls, Projection::Paraboloid, config))
+}
+
+/// Renders orthographic maps of all of the scene for VPLs that are directions, from points of equal area without normals. Walls would get
+/// hardly a point in a scene of fine meshes if each triangle had one. There is a [`SkyFrame`] for each VPL.
+pub fn of_directions(
+    g: &mut Graph,
+    around: Surroundings<'_>,
+    vpls: &Vpls,
+    frames: Buffer,
+    map_size: u32,
+    config: &VisibilityConfig,
+) -> Ism {
+    let enlarge = if config.ism.renderer == IsmRenderer::Splat { SKY_SPLAT_ENLARGE } else { SKY_ENLARGE };
+    let enlarge = Some(config.ism.enlarge.unwrap_or(enlarge));
+    let ism = IsmConfig { points: PointSet::Uniform, normals: false, thin: true, map_size, enlarge, ..config.ism.clone() };
+    projected(g, around, vpls, Projection::Orthographic(frames), &VisibilityConfig { ism, ..config.clone() })
+}
+
+fn projected(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, projection: Projection, config: &VisibilityConfig) -> Ism {
     let maps = match config.ism.renderer {
-        IsmRenderer::SinglePixel => single_pixel(g, around, vpls, config),
-        IsmRenderer::Splat => splat(g, around, vpls, config),
+        IsmRenderer::SinglePixel => single_pixel(g, around, vpls, projection, config),
+        IsmRenderer::Splat => splat(g, around, vpls, projection, config),
     };
-    let far = around.scene.bounds().size().length();
-    Visibility::Ism(Ism {
+    Ism {
         maps,
         size: config.ism.map_size,
         columns: layout(vpls.count)[0],
-        far,
+        far: around.scene.bounds().size().length(),
         bias: bias(config, vpls.count),
         lookup: config.lookup,
-    })
+    }
 }
 
 /// Bias of the lookup, in texels: it grows with the coarseness of the map, by its texels and by the distances between its points.
@@ -110,7 +153,7 @@ fn collected(config: &VisibilityConfig, count: u32) -> u32 {
 }
 
 /// Points as single pixels, with a pull-push pass that fills the holes between them (sections 4.4.3 and 4.4.4).
-fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
+fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, projection: Projection, config: &VisibilityConfig) -> Image {
     let points = match config.ism.points {
         PointSet::Uniform => points::collect(g, around, vpls.count, config),
         PointSet::Adaptive => adaptive::choose(g, around, vpls, config.ism.point_count, collected(config, vpls.count), config.ism.thin),
@@ -119,7 +162,7 @@ fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &V
     let size = [columns * config.ism.map_size, rows * config.ism.map_size];
     let target = g.image("visibility/single-pixels", Format::R32Uint, size);
     clear(g, "visibility/clear", target);
-    let drawn = Drawing { around, vpls, points, columns, config };
+    let drawn = Drawing { around, vpls, points, projection, columns, config };
     let counts = [g.count("visibility/dropped-points"), g.count("visibility/drawn-points")];
     let pass = g.compute("visibility/single-pixel").updates("target", target).updates("dropped", counts[0]).updates("drawn", counts[1]);
     drawn.dispatch(pass);
@@ -129,7 +172,7 @@ fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &V
         drawn.dispatch(g.compute("visibility/single-pixel-normals").reads("target", target).updates("tilts", tilts));
         tilts
     });
-    pull_push::fill(g, target, tilts, config)
+    pull_push::fill(g, target, tilts, projection, config)
 }
 
 fn clear(g: &mut Graph, name: &'static str, target: Image) {
@@ -146,15 +189,20 @@ struct Drawing<'f> {
     around: Surroundings<'f>,
     vpls: &'f Vpls,
     points: Points,
+    projection: Projection,
     columns: u32,
     config: &'f VisibilityConfig,
 }
 
 impl Drawing<'_> {
     fn dispatch(&self, pass: ComputePass<'_>) {
-        let Self { around, vpls, points, columns, config } = self;
+        let Self { around, vpls, points, projection, columns, config } = self;
         let own = config.ism.points == PointSet::Adaptive;
         let diagonal = around.scene.bounds().size().length();
+        let pass = match projection {
+            Projection::Paraboloid => pass,
+            Projection::Orthographic(frames) => pass.part("projection", "visibility/projection-orthographic").reads("frames", *frames),
+        };
         pass.reads("points", points.points)
             .reads("begins", points.begins)
             .reads("fill", points.fill)
@@ -181,7 +229,7 @@ impl Drawing<'_> {
 }
 
 /// Points as squares of their size, drawn directly from the tessellator (section 4.4.2).
-fn splat(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
+fn splat(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, projection: Projection, config: &VisibilityConfig) -> Image {
     let [columns, rows] = layout(vpls.count);
     let size = [columns * config.ism.map_size, rows * config.ism.map_size];
     let splats = g.image("visibility/splats", Format::Depth32, size);
@@ -204,8 +252,12 @@ fn splat(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &Visibili
     let params = PointsParams { max_area, diagonal, partitions: vpls.count, capacity: 0, seed: around.wants.seed };
     // A geometry stage that may emit many points is slow even where it emits one.
     let most = if collected > 1 { "visibility/most-several" } else { "visibility/most-one" };
-    g.raster("visibility/splat")
-        .part("most", most)
+    let pass = g.raster("visibility/splat");
+    let pass = match projection {
+        Projection::Paraboloid => pass,
+        Projection::Orthographic(frames) => pass.part("projection", "visibility/projection-orthographic").reads("frames", frames),
+    };
+    pass.part("most", most)
         .reads("draws", around.scene.draws)
         .reads("places", vpls.places)
         .reads("splat", block)

@@ -6,13 +6,14 @@ use crate::gpu::{BufferId, Gpu};
 use crate::graph::{Buffer, DrawList, Graph};
 use crate::scene::Scene;
 use crate::shader_struct;
+use crate::stages::sky;
 use crate::world::device::{DrawArguments, FrameScene, VERTEX};
 use anyhow::Result;
 use rayon::prelude::*;
 
 /// Whether a config renders imperfect shadow maps, and so needs points of the scene's triangles.
 pub fn needs_triangles(config: &Config) -> bool {
-    config.visibility_methods().any(|method| method == VisibilityMethod::ImperfectShadowMaps)
+    sky::needs_maps(config) || config.visibility_methods().any(|method| method == VisibilityMethod::ImperfectShadowMaps)
 }
 
 shader_struct! {
