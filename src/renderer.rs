@@ -126,9 +126,18 @@ impl Renderer {
         self.world.ensure(&mut self.engine.gpu, needs)
     }
 
+    /// Reads the map of a config's environment, if it has one and it is not there yet.
+    ///
+    /// # Errors
+    /// `BadInput` for a file that is no such map, and the device's own.
+    pub fn ensure_sky(&mut self, config: &Config) -> Result<()> {
+        self.world.ensure_sky(&mut self.engine.gpu, config)
+    }
+
     /// Makes missing parts of the world and missing residents of the stages for a config.
     fn ensure_for(&mut self, config: &Config) -> Result<()> {
         self.world.ensure(&mut self.engine.gpu, needs(config))?;
+        self.ensure_sky(config)?;
         self.residents.bring(&mut self.engine.gpu, &mut self.world, config)
     }
 

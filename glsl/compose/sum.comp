@@ -11,9 +11,8 @@ layout(constant_id = 0) const bool REINHARD = true;
 layout(constant_id = 1) const bool REFLECTION = false; // whether there is glossily reflected indirect light
 
 layout(scalar, push_constant) uniform Params {
-    vec3 environment; // radiance where there is no surface
     float exposure;
-    vec3 background;  // added there for display; it is no light
+    vec3 background; // added where there is no surface for display; it is no light
 } params;
 
 layout(scalar) uniform ViewBlock { View it; } view;
@@ -30,6 +29,13 @@ layout(rgba8) writeonly uniform image2D image;
 
 #include "part/occlusion=compose/occlusion-none"
 #include "part/shown=compose/shown-picture"
+#include "part/sky=sky/radiance-constant"
+
+// Direction in which a pixel's centre looks.
+vec3 ahead(ivec2 pixel) {
+    vec2 ndc = (vec2(pixel) + 0.5) / vec2(view.it.width, view.it.height) * 2.0 - 1.0;
+    return view.it.forward + ndc.x * view.it.right - ndc.y * view.it.up;
+}
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -38,7 +44,7 @@ void main() {
     float diffuse = 1.0 - texelFetch(metallic_roughness, pixel, 0).r;
     vec3 reflected = indirect_share(pixel) * imageLoad(irradiance, pixel).rgb * imageLoad(albedo, pixel).rgb * (diffuse / PI);
     if (REFLECTION) reflected += indirect_share(pixel) * imageLoad(reflection, pixel).rgb;
-    vec3 sum = surface ? reflected + imageLoad(direct, pixel).rgb + imageLoad(emission, pixel).rgb : params.environment;
+    vec3 sum = surface ? reflected + imageLoad(direct, pixel).rgb + imageLoad(emission, pixel).rgb : sky_radiance(ahead(pixel));
     vec3 shown = min(sum, LARGEST_HALF) * params.exposure + (surface ? vec3(0.0) : params.background);
     if (REINHARD) shown = reinhard(shown);
     imageStore(indirect, pixel, vec4(surface ? min(reflected, LARGEST_HALF) : vec3(0.0), 1.0));

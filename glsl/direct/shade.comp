@@ -28,6 +28,7 @@ uniform sampler2D metallic_roughness;
 layout(rgba16f) writeonly uniform image2D direct;
 
 #include "part/shadow=direct/shadow-none"
+#include "part/sky=direct/sky-none"
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -38,6 +39,7 @@ void main() {
         vec3 base = texelFetch(albedo, pixel, 0).rgb;
         vec2 mr = texelFetch(metallic_roughness, pixel, 0).rg;
         vec3 v = normalize(view.it.position - r.position);
+        sum += reflected_sky(pixel, base, METALS ? mr.x : 0.0);
         for (uint i = 0u; i < params.lights; i++) {
             Light light = lights.at[i];
             if (LIGHT_KIND != MIXED) light.kind = LIGHT_KIND;

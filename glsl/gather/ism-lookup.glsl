@@ -12,17 +12,10 @@ layout(scalar) uniform IsmBlock {
 } ism;
 layout(r32f) readonly uniform image2D maps;
 
-// Unoccluded share of a receiver. Arguments: the map's axes and corner, the receiver's normal, the vector `way` to the map's place with its
-// squared length, and the cosines to the map's normal and to the receiver's, both times the length.
-float lit_in_map(vec3 across, vec3 up, ivec2 corner, vec3 normal, vec3 way, float squared, float from, float to) {
-    float d = sqrt(squared);
-    // 2 (d + from) / size is the width of a texel at the receiver.
-    float sum = max(d + from, 1e-12);
-    vec2 p = vec2(dot(across, way), dot(up, way)) / -sum;
+// Unoccluded share of a receiver at a place in [-1, 1]^2 of the map with this corner: a texel with value z is open if z * unit >= hidden.
+float lit_in_map_at(vec2 p, ivec2 corner, float hidden, float unit) {
     float size = float(ism.size);
     vec2 at = (p * 0.5 + 0.5) * size;
-    // The depth of a sloped surface varies across a texel by at most the texel's width over the cosine.
-    float hidden = d * to - ism.bias * 2.0 / size * sum * d, unit = to * ism.far;
     if (BILINEAR) {
         at = clamp(at - 0.5, 0.0, size - 1.0);
         ivec2 low = ivec2(at);
@@ -37,4 +30,15 @@ float lit_in_map(vec3 across, vec3 up, ivec2 corner, vec3 normal, vec3 way, floa
     }
     ivec2 texel = clamp(ivec2(at), ivec2(0), ivec2(ism.size - 1));
     return imageLoad(maps, corner + texel).r * unit >= hidden ? 1.0 : 0.0;
+}
+
+// Unoccluded share of a receiver. Arguments: the map's axes and corner, the receiver's normal, the vector `way` to the map's place with its
+// squared length, and the cosines to the map's normal and to the receiver's, both times the length.
+float lit_in_map(vec3 across, vec3 up, ivec2 corner, vec3 normal, vec3 way, float squared, float from, float to) {
+    float d = sqrt(squared);
+    // 2 (d + from) / size is the width of a texel at the receiver.
+    float sum = max(d + from, 1e-12);
+    vec2 p = vec2(dot(across, way), dot(up, way)) / -sum;
+    // The depth of a sloped surface varies across a texel by at most the texel's width over the cosine.
+    return lit_in_map_at(p, corner, d * to - ism.bias * 2.0 / float(ism.size) * sum * d, to * ism.far);
 }

@@ -23,7 +23,6 @@ struct Emitter {
 };
 
 layout(scalar, push_constant) uniform Params {
-    vec3 environment;    // radiance
     uint first_row;
     uint rows;
     uint sample_index;
@@ -41,6 +40,9 @@ layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
 layout(scalar) readonly buffer Emitters { Emitter at[]; } emitters;
 layout(rgba32f) uniform image2DArray sums;
 layout(scalar) buffer Rays { uint at[]; } rays;
+
+#include "part/sky=sky/radiance-constant"
+#include "part/sky_sampling=reference/sky-met"
 
 // Layers of the sums: the order of src/reference/sums.rs.
 const int RADIANCE = 0;   // alpha: number of paths that hit a surface
@@ -164,10 +166,12 @@ void main() {
         Hit hit = nearest(ray, t_min, k == 0u);
         traced += 1u;
         if (hit.triangle == NO_TRIANGLE) {
-            vec3 found = throughput * params.environment;
+            vec3 arriving = sky_radiance(ray.direction);
+            if (SKY_SAMPLED && k > 0u) arriving *= share(came_with, sky_density(ray.direction));
+            vec3 found = throughput * arriving;
             radiance += found;
             if (ENVIRONMENT && k > 0u) gathered += found;
-            if (ENVIRONMENT && k > 1u) irradiance += to_irradiance * params.environment;
+            if (ENVIRONMENT && k > 1u) irradiance += to_irradiance * arriving;
             break;
         }
         Surface s = surface_at(ray, hit);
@@ -218,6 +222,22 @@ void main() {
             }
         }
 
+        if (SKY_SAMPLED) {
+            vec4 drawn = random(number, params.sample_index, 0x10000u + k, params.seed);
+            float sampled_with;
+            vec3 arriving = sample_sky(drawn.xy, to_light, sampled_with);
+            arriving *= share(sampled_with, density(s, to_light, seen_from));
+            vec3 found = arriving * reflected(s, to_light, seen_from);
+            if (any(greaterThan(found, vec3(0.0)))) {
+                traced += 1u;
+                if (!is_occluded(make_ray(from, to_light), 1e30)) {
+                    radiance += throughput * found;
+                    gathered += throughput * found;
+                    if (k > 0u) irradiance += to_irradiance * found;
+                }
+            }
+        }
+
         if (k == params.bounces && without(either(EMISSION, ENVIRONMENT))) break;
         vec4 next = random(number, params.sample_index, 2u * k + 2u, params.seed);
         vec3 l = sample_brdf(next.xyz, s.metallic, s.roughness, GLOSSY_DIELECTRIC, s.normal, seen_from);
@@ -253,7 +273,8 @@ void main() {
             Shine shine = shine_at(ray, hit);
             arriving = shine.emission * share(came_with, emitter_density(shine.emitter_density, hit.t, shine.cosine));
         } else if (ENVIRONMENT && goes_on) {
-            arriving = params.environment;
+            arriving = sky_radiance(ray.direction);
+            if (SKY_SAMPLED) arriving *= share(came_with, sky_density(ray.direction));
         }
         if (any(greaterThan(arriving, vec3(0.0)))) {
             traced += 1u;

@@ -5,7 +5,6 @@
 //     void put_total(uint drawn, uint lost);
 // which adds the counts of a workgroup or an invocation.
 #include "lib/basis.glsl"
-#include "lib/paraboloid.glsl"
 #include "lib/vpl.glsl"
 #include "visibility/ism.glsl"
 #include "visibility/point.glsl"
@@ -15,6 +14,8 @@ layout(constant_id = 0) const uint MAP_SIZE = 64;
 layout(constant_id = 1) const bool DISTORTION = true;
 layout(constant_id = 2) const bool ROUND = true; // no normals are kept
 layout(constant_id = 3) const bool GAPS = false; // slots may be empty
+
+#include "part/projection=visibility/projection-paraboloid"
 
 layout(scalar, push_constant) uniform Params {
     uint count;      // VPLs
@@ -62,7 +63,8 @@ void main() {
         vec3 normal = point_normal(point);
         uint seen = 0u;
         for (uint k = 0u; k < params.considered; k++) {
-            seen |= uint(point_faces(point, normal, point.position - position[k], axes[k][2])) << k;
+            vec3 way = sight(point.position - position[k], axes[k][2]);
+            seen |= uint(is_in_the_way(point, normal, way, axes[k][2])) << k;
         }
         uint passing = bitCount(seen), rest = min(passing, params.collected);
         total += rest;
@@ -71,17 +73,18 @@ void main() {
         for (uint k = 0u; k < params.considered; k++) {
             if ((seen >> k & 1u) != 0u && rest > 0u) {
                 rest--;
-                vec3 way = point.position - position[k];
+                vec3 from = point.position - position[k], way = sight(from, axes[k][2]);
+                uint vpl = (part + k) % params.count;
                 float d = length(way);
                 vec3 w = way * axes[k] / d;
-                vec2 p = paraboloid(w);
+                vec2 p = place_in_map(vpl, from, w);
                 ivec2 texel = clamp(ivec2((p * 0.5 + 0.5) * float(MAP_SIZE)), ivec2(0), ivec2(MAP_SIZE - 1u));
                 // A disk at an angle covers less area; if normals are kept, they give the ellipse.
                 float seen_radius = radius;
                 if (DISTORTION) {
                     if (ROUND) seen_radius *= sqrt(abs(dot(normal, way)) / d);
                 }
-                float size = paraboloid_radius(seen_radius, d, w.z, DISTORTION) * (0.5 * float(MAP_SIZE));
+                float size = radius_in_map(vpl, seen_radius, d, w.z) * (0.5 * float(MAP_SIZE));
                 // The radius grows because the texel's centre is not the point's position.
                 vec3 local = normal * axes[k];
                 if (ROUND) {

@@ -1,13 +1,14 @@
 // Splats (Linke 2016, section 4.4.2): a point is drawn as a square into the maps of the first VPLs that can see it, among those that it is
 // tested against.
 #include "lib/basis.glsl"
-#include "lib/paraboloid.glsl"
 #include "lib/vpl.glsl"
 #include "visibility/ism.glsl"
 #include "visibility/point.glsl"
 
 layout(constant_id = 1) const uint MAP_SIZE = 64;
 layout(constant_id = 2) const bool DISTORTION = true;
+
+#include "part/projection=visibility/projection-paraboloid"
 
 layout(scalar) uniform SplatBlock {
     ivec2 size;      // of the image of all maps
@@ -21,7 +22,8 @@ layout(scalar) uniform SplatBlock {
 layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 
 bool sees(Point point, vec3 normal, VplPlace vpl) {
-    return point_faces(point, normal, point.position - vpl.position, octahedral_snorm16_inverse(vpl.normal));
+    vec3 facing = octahedral_snorm16_inverse(vpl.normal);
+    return is_in_the_way(point, normal, sight(point.position - vpl.position, facing), facing);
 }
 
 // VPLs of `count` from `first` on that see the point, among those considered.
@@ -40,14 +42,16 @@ struct Square {
 
 Square square_of(Point point, vec3 normal, float radius, uint index) {
     VplPlace vpl = places.at[index];
-    vec3 way = point.position - vpl.position;
+    vec3 from = point.position - vpl.position;
+    mat3 axes = basis_of(octahedral_snorm16_inverse(vpl.normal));
+    vec3 way = sight(from, axes[2]);
     float d = length(way);
-    vec3 w = way * basis_of(octahedral_snorm16_inverse(vpl.normal)) / d;
+    vec3 w = way * axes / d;
     float seen_radius = DISTORTION ? radius * sqrt(abs(dot(normal, way)) / d) : radius;
     // Side of a square of the disk's area.
-    float side = sqrt(PI) * paraboloid_radius(seen_radius, d, w.z, DISTORTION) * (0.5 * float(MAP_SIZE));
+    float side = sqrt(PI) * radius_in_map(index, seen_radius, d, w.z) * (0.5 * float(MAP_SIZE));
     ivec2 corner = map_corner(index, splat.columns, int(MAP_SIZE));
-    vec2 texel = vec2(corner) + clamp((paraboloid(w) * 0.5 + 0.5) * float(MAP_SIZE), vec2(0.01), vec2(float(MAP_SIZE) - 0.01));
+    vec2 texel = vec2(corner) + clamp((place_in_map(index, from, w) * 0.5 + 0.5) * float(MAP_SIZE), vec2(0.01), vec2(float(MAP_SIZE) - 0.01));
     vec4 position = vec4(texel / vec2(splat.size) * 2.0 - 1.0, 1.0 - min(d / splat.far, 1.0), 1.0);
     return Square(position, clamp(side, 1.0, float(MAP_SIZE)), corner);
 }

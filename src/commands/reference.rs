@@ -173,5 +173,8 @@ fn settings(args: &ReferenceArgs, config: &Config, frame_index: u32) -> Settings
 
 /// [`identity`] and the key of the path tracer's shader.
 pub(super) fn truth_identity(renderer: &mut Renderer, config: &Config, settings: Settings, digest: &str) -> Result<String> {
-    Ok(format!("{}-{}", identity(config, settings, digest), renderer.engine().shader_key("reference/path.comp")?.to_hex()))
+    renderer.ensure_sky(config)?;
+    let map = config.sky_map().and_then(|(_, path)| renderer.world().skies().map(path));
+    let digest = map.map_or_else(|| digest.to_owned(), |map| format!("{digest} {}", map.digest));
+    Ok(format!("{}-{}", identity(config, settings, &digest), renderer.engine().shader_key("reference/path.comp")?.to_hex()))
 }

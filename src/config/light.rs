@@ -5,6 +5,7 @@ use super::rules::{Broken, broken, rising};
 use super::values::{Color, Direction, Point};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// Kind of the light.
 // Directions are those in which light travels and need not be normalized; a light is aimed by exactly one of `direction` and `target`.
@@ -76,11 +77,21 @@ pub enum LightConfig {
         #[schemars(extend("x-default" = "none"))]
         keyframes: Vec<LightKeyframe>,
     },
-    /// The same from all directions.
+    /// Light from infinitely far away: the same from all directions, or a map of all directions. The camera sees it.
     Environment {
-        /// Radiance, W/(m^2 sr).
+        /// Radiance, W/(m^2 sr); with a map a factor of the map's.
         #[schemars(with = "Color")]
         radiance: [f32; 3],
+        /// An OpenEXR or Radiance HDR picture in latitude and longitude, up to 4096x2048: up is its first row, +Z its middle, +X a quarter
+        /// from its left edge. A relative path starts from the folder of the config that says it.
+        // Absolute once loaded.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(length(min = 1), extend("x-default" = "none"))]
+        map: Option<PathBuf>,
+        /// Turn of the map about +Y, counter-clockwise seen from above, degrees.
+        #[serde(default)]
+        #[schemars(range(min = -360, max = 360))]
+        rotation_deg: f32,
     },
 }
 
@@ -119,7 +130,14 @@ pub struct LightKeyframe {
 impl LightConfig {
     /// Keys that exclude or need each other.
     pub(super) fn rules(config: &Config) -> Result<(), Broken> {
-        config.light.iter().enumerate().try_for_each(|(index, light)| check(light, &format!("light.{index}")))
+        config.light.iter().enumerate().try_for_each(|(index, light)| check(light, &format!("light.{index}")))?;
+        let is_environment = |light: &&LightConfig| matches!(light, LightConfig::Environment { .. });
+        match config.sky_map() {
+            Some((key, _)) if config.light.iter().filter(is_environment).count() > 1 => {
+                broken(key, "a map is the only environment; remove the other lights of this kind")
+            }
+            _ => Ok(()),
+        }
     }
 }
 
@@ -147,6 +165,9 @@ fn check(light: &LightConfig, at: &str) -> Result<(), Broken> {
             apart(Some(*position), *target, keyframes, at)
         }
         LightConfig::Point { keyframes, .. } => rising(at, keyframes.iter().map(|key| key.time)),
+        LightConfig::Environment { map: None, rotation_deg, .. } if *rotation_deg != 0.0 => {
+            broken(format!("{at}.rotation_deg"), "turns a map; give map too")
+        }
         LightConfig::Environment { .. } => Ok(()),
     }
 }

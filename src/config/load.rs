@@ -29,16 +29,16 @@ pub struct Loaded {
 /// Every error is one sentence with file, line and key, and ends the program with [`crate::error::Exit::BadInput`].
 pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded> {
     let (loaded, root) = resolve(&read(path)?, path, overrides)?;
-    scene_is_there(&loaded.config, &root)?;
+    files_are_there(&loaded.config, &root)?;
     Ok(loaded)
 }
 
-fn scene_is_there(config: &Config, root: &Node) -> Result<()> {
-    if let Some(file) = config.scene.file.as_ref().filter(|file| !file.is_file()) {
-        let what = if file.exists() { "is not a file" } else { "does not exist" };
-        return Err(rules::error_at(root, "scene.file", format_args!("{} {what}", shown(file))));
-    }
-    Ok(())
+/// Refuses a scene or an environment's map that is no file.
+fn files_are_there(config: &Config, root: &Node) -> Result<()> {
+    let scene = config.scene.file.as_deref().map(|file| ("scene.file".to_owned(), file));
+    let Some((key, file)) = scene.into_iter().chain(config.sky_map()).find(|(_, file)| !file.is_file()) else { return Ok(()) };
+    let what = if file.exists() { "is not a file" } else { "does not exist" };
+    Err(rules::error_at(root, &key, format_args!("{} {what}", shown(file))))
 }
 
 /// Loads a text as if it were the file `origin`; reads no file but the bases.
@@ -79,7 +79,7 @@ fn finish(mut root: Node) -> Result<(Loaded, Node)> {
     let Value::Table(table) = &mut root.value else { unreachable!("a document is a table") };
     check::table(table, "", "")?;
     scene::given(table)?;
-    scene_path(table)?;
+    absolute_paths(table)?;
     let mut config = match Config::deserialize(root.clone().into_toml()) {
         Ok(config) => config,
         Err(error) => unreachable!("the schema lets through what the types refuse: {error}"),
@@ -116,7 +116,7 @@ impl Base {
             overrides::apply(&mut root, text)?;
         }
         let (loaded, root) = finish(root)?;
-        scene_is_there(&loaded.config, &root)?;
+        files_are_there(&loaded.config, &root)?;
         Ok(loaded)
     }
 }
@@ -220,15 +220,27 @@ fn read(path: &Path) -> Result<String> {
     })
 }
 
-/// Makes `scene.file` absolute, relative to the folder of the file that gives it.
-fn scene_path(root: &mut Table) -> Result<()> {
-    let Some(Node { value: Value::Table(scene), .. }) = root.get_mut("scene") else { return Ok(()) };
-    let Some(Node { value: Value::Text(file), origin }) = scene.get_mut("file") else { return Ok(()) };
+/// Makes `scene.file` and the maps of lights absolute, each relative to the folder of the file that gives it.
+fn absolute_paths(root: &mut Table) -> Result<()> {
+    if let Some(Node { value: Value::Table(scene), .. }) = root.get_mut("scene") {
+        absolute_path(scene.get_mut("file"), "scene.file")?;
+    }
+    if let Some(Node { value: Value::List(lights), .. }) = root.get_mut("light") {
+        for (index, light) in lights.iter_mut().enumerate() {
+            let Value::Table(light) = &mut light.value else { continue };
+            absolute_path(light.get_mut("map"), &format!("light.{index}.map"))?;
+        }
+    }
+    Ok(())
+}
+
+fn absolute_path(file: Option<&mut Node>, key: &str) -> Result<()> {
+    let Some(Node { value: Value::Text(file), origin }) = file else { return Ok(()) };
     let full = std::path::absolute(origin.source.folder.join(&*file))
-        .map_err(|error| check::error(origin, "scene.file", format_args!("cannot be made a full path: {error}")))?;
+        .map_err(|error| check::error(origin, key, format_args!("cannot be made a full path: {error}")))?;
     match full.into_os_string().into_string() {
         Ok(full) => *file = full,
-        Err(_) => return Err(check::error(origin, "scene.file", "lies in a folder whose name is not UTF-8; rename it")),
+        Err(_) => return Err(check::error(origin, key, "lies in a folder whose name is not UTF-8; rename it")),
     }
     Ok(())
 }

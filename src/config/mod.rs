@@ -22,6 +22,7 @@ mod rsm;
 mod rules;
 mod scene;
 mod schema;
+mod sky;
 mod ssao;
 pub(crate) mod tree;
 mod unused;
@@ -46,6 +47,7 @@ pub use output::*;
 pub use rsm::*;
 pub use scene::{Builtin, SceneConfig, SceneSelector};
 pub use schema::schema;
+pub use sky::*;
 pub use ssao::*;
 pub use values::Block;
 pub use visibility::*;
@@ -73,6 +75,7 @@ pub struct Config {
     pub visibility: VisibilityConfig,
     pub gather: GatherConfig,
     pub filter: FilterConfig,
+    pub sky: SkyConfig,
     pub direct: DirectConfig,
     pub ssao: SsaoConfig,
     pub compose: ComposeConfig,

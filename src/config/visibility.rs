@@ -2,7 +2,7 @@
 
 use super::rules::{Broken, broken};
 use super::unused::Unused;
-use super::{BounceVisibility, Config, StochasticCulling, VplSampler};
+use super::{BounceVisibility, Config, SkyVisibility, StochasticCulling, VplSampler};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -58,7 +58,7 @@ pub struct IsmConfig {
     pub clamp: bool,
     /// Factor of the points' radius.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(max = 16), extend("exclusiveMinimum" = 0, "x-default" = "1, 1.1 if adaptive, 1.25 with normals, 0.9 for splats"))]
+    #[schemars(range(max = 16), extend("exclusiveMinimum" = 0, "x-default" = "1, 1.1 if adaptive, 1.25 with normals, 0.9 for splats; 1.5 of a sky, 1.3 for splats"))]
     pub enlarge: Option<f32>,
     /// Limits a point's size by its normal.
     pub normals: bool,
@@ -221,7 +221,8 @@ impl VisibilityConfig {
     pub(super) fn unused(config: &Config) -> Vec<Unused> {
         let further = if config.bounce.count == 1 { "bounce.count" } else { "bounce.visibility" };
         let all = || config.visibility_methods();
-        if all().any(|method| method == VisibilityMethod::ImperfectShadowMaps) {
+        let of_sky = config.sky_visibility() == Some(SkyVisibility::ImperfectShadowMaps);
+        if of_sky || all().any(|method| method == VisibilityMethod::ImperfectShadowMaps) {
             let alone =
                 if config.visibility.method == VisibilityMethod::ImperfectShadowMaps { "vpls.sampler" } else { "visibility.method" };
             let unshared = || Unused::new(&["visibility.ism.shared_maps"], &[alone]);

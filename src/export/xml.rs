@@ -40,6 +40,12 @@ impl Element {
         Self::new("transform").with("name", "to_world").child(look)
     }
 
+    /// A rotation about +Y, degrees.
+    pub fn rotation_y(degrees: f32) -> Self {
+        let rotate = Self::new("rotate").with("y", 1).with("angle", degrees);
+        Self::new("transform").with("name", "to_world").child(rotate)
+    }
+
     pub fn with(mut self, attribute: &'static str, value: impl Display) -> Self {
         self.attributes.push((attribute, value.to_string()));
         self

@@ -1,9 +1,10 @@
 //! Identity of a ground truth.
 
 use super::Settings;
-use crate::config::Config;
+use crate::config::{Config, LightConfig};
 use crate::scene::Scene;
 use crate::scene::bend::Bending;
+use std::path::PathBuf;
 
 /// Hash of all parts of a scene that light depends on.
 pub fn scene_digest(scene: &Scene) -> String {
@@ -25,15 +26,25 @@ pub fn scene_digest(scene: &Scene) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// Condition for resuming a run: a hash of the [`scene_digest`] and of all other inputs that light depends on, except the shader.
+/// Condition for resuming a run: a hash of the `digest` and of all other inputs that light depends on, except the shader. The digest is the
+/// [`scene_digest`], and that of the environment's map ([`SkyMap::digest`](crate::scene::sky::SkyMap)) after it if there is one.
 pub fn identity(config: &Config, settings: Settings, digest: &str) -> String {
     blake3::hash(identified(config, settings, digest).as_bytes()).to_hex().to_string()
 }
 
 /// Text that [`identity`] hashes. A test pins it: ground truths are kept for years under it, and renaming a type must not invalidate them.
 fn identified(config: &Config, settings: Settings, digest: &str) -> String {
-    let config = (&config.camera, &config.light, &config.materials, config.frame.size, config.frame.fps, config.frame.seed);
-    format!("{digest} {config:?} {settings:?}")
+    let mut lights = config.light.clone();
+    for light in &mut lights {
+        if let LightConfig::Environment { map: Some(map), .. } = light {
+            // The digest has the map's content. Where the file lies does not matter.
+            *map = PathBuf::new();
+        }
+    }
+    let config = (&config.camera, &lights, &config.materials, config.frame.size, config.frame.fps, config.frame.seed);
+    let text = format!("{digest} {config:?} {settings:?}");
+    // Keys that came later are left out where they have no effect.
+    text.replace(", map: None, rotation_deg: 0.0", "")
 }
 
 #[cfg(test)]
@@ -62,5 +73,12 @@ mod tests {
             Environment { radiance: [1.0, 1.0, 1.0] }], MaterialsConfig { dielectric: Ggx }, [64, 32], 30.0, 0) \
             Settings { bounces: 2, frame_index: 3, min_distance: 0.5, centered: true }";
         assert_eq!(identified(&config, settings, "digest"), expected);
+        // A map is known by its content, wherever it lies.
+        let at = |map: &str| {
+            let text = format!("[[light]]\nkind = \"environment\"\nradiance = [1, 1, 1]\nmap = \"{map}\"\nrotation_deg = 5");
+            config::parse(&text, Path::new("x.toml"), &[]).unwrap().config
+        };
+        assert_eq!(identified(&at("a.exr"), settings, "digest"), identified(&at("b/c.exr"), settings, "digest"));
+        assert!(identified(&at("a.exr"), settings, "digest").contains("map: Some(\"\"), rotation_deg: 5.0"));
     }
 }

@@ -22,7 +22,9 @@ use crate::renderer::Renderer;
 use crate::scene::{Aabb, Light};
 use crate::shader_struct;
 use crate::stages::methods::{Method, NOTHING};
+use crate::stages::sky::sky_of;
 use crate::world::projection::{Projector, View};
+use crate::world::sky::Environment;
 use crate::world::view;
 use anyhow::{Context, Result};
 use bytemuck::Zeroable;
@@ -32,7 +34,6 @@ use std::time::Instant;
 
 shader_struct! {
     struct PathParams {
-        environment: [f32; 3],
         first_row: u32,
         rows: u32,
         sample_index: u32,
@@ -71,7 +72,7 @@ pub fn method() -> Method {
 pub struct Tracer {
     view: View,
     lights: Vec<Projector>,
-    environment: Vec3,
+    environment: Environment,
     glossy_dielectric: bool,
     emitter_chance: f32,
     seed: u32,
@@ -96,13 +97,19 @@ impl Tracer {
     /// `BadInput` if there are too many lights or pixels, and the device's own if it cannot hold the sums.
     pub fn new(renderer: &mut Renderer, config: &Config, settings: Settings, sums: Option<&Sums>) -> Result<Self> {
         let time = view::seconds(config, settings.frame_index);
+        renderer.ensure_sky(config)?;
         renderer.set_time_of_rays(time)?;
         let view = renderer.view(config, settings.frame_index)?;
         let lights = renderer.lights(config, settings.frame_index);
         let mut projectors = Vec::new();
         for light in &lights {
             // A point light is one light here, not six faces.
-            let faces = Projector::of_lights(&[*light], [1, 1], renderer.world().device().bounds, renderer.world().device().bounds);
+            let faces = Projector::of_lights(
+                std::slice::from_ref(light),
+                [1, 1],
+                renderer.world().device().bounds,
+                renderer.world().device().bounds,
+            );
             projectors.extend(faces.first());
         }
         if projectors.len() > Projector::MAX {
@@ -113,10 +120,6 @@ impl Tracer {
         };
         let emitter_chance =
             emitter_chance(traced.emitted_power, lights.iter().map(|light| power(light, renderer.world().device().bounds)).sum());
-        let environment = lights.iter().filter_map(|light| match light {
-            Light::Environment { radiance } => Some(*radiance),
-            _ => None,
-        });
         let limit = renderer.gpu().adapter.limits.image_size;
         if config.frame.size.iter().any(|side| *side > limit) {
             let [width, height] = config.frame.size;
@@ -157,7 +160,7 @@ impl Tracer {
         Ok(Self {
             view,
             lights: projectors,
-            environment: environment.sum(),
+            environment: Environment::of(&lights),
             glossy_dielectric: config.materials.dielectric == Dielectric::Ggx,
             emitter_chance,
             seed: config.frame.seed,
@@ -215,8 +218,13 @@ impl Tracer {
         let counter = g.upload("reference/rays", &[0u32; 2]);
         let (size, layers) = self.sums_size();
         let sums = g.keep_image("reference/sums", self.sums, Format::Rgba32Float, size, layers);
-        g.compute("reference/path")
-            .traces(&scene)
+        let sky = renderer.world().skies().import(&mut g, &self.environment);
+        let pass = sky_of(g.compute("reference/path"), &sky);
+        let pass = match sky.map {
+            None => pass,
+            Some(map) => pass.part("sky_sampling", "reference/sky-sampled").reads("sky_rows", map.rows),
+        };
+        pass.traces(&scene)
             .shades(&scene)
             .reads("view", view)
             .reads("lights", lights)
@@ -226,9 +234,8 @@ impl Tracer {
             .constant("GLOSSY_DIELECTRIC", self.glossy_dielectric)
             .constant("LIGHT_KIND", Projector::common_kind(&self.lights))
             .constant("CENTERED", self.settings.centered)
-            .constant("ENVIRONMENT", self.environment != Vec3::ZERO)
+            .constant("ENVIRONMENT", self.environment.shines())
             .params(&PathParams {
-                environment: self.environment.into(),
                 first_row,
                 rows,
                 sample_index: self.samples,

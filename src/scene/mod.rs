@@ -11,12 +11,14 @@ pub mod builtin;
 pub mod gltf;
 pub mod order;
 pub mod pack;
+pub mod sky;
 pub mod source;
 pub mod split;
 pub mod tangents;
 pub mod track;
 
 use glam::{Affine3A, Mat2, Vec2, Vec3};
+use std::path::PathBuf;
 
 /// A vertex as laid out in the vertex buffer: 32 bytes.
 #[repr(C)]
@@ -156,7 +158,7 @@ pub struct Texture {
 }
 
 /// A light source. Directions are normalized, and point the way the light travels.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Light {
     /// Irradiance on a plane that faces the light, W/m^2.
     Directional { direction: Vec3, irradiance: Vec3 },
@@ -164,8 +166,9 @@ pub enum Light {
     Spot { position: Vec3, direction: Vec3, intensity: Vec3, inner: f32, outer: f32, falloff: SpotFalloff },
     /// Radiant intensity, W/sr, equal in all directions.
     Point { position: Vec3, intensity: Vec3 },
-    /// Radiance from all directions, W/(m^2 sr).
-    Environment { radiance: Vec3 },
+    /// Radiance from all directions, W/(m^2 sr). If there is a map of the sky ([`sky::SkyMap`]), by its file, it is a factor of the map's, and
+    /// `rotation` turns the map about +Y, radians.
+    Environment { radiance: Vec3, map: Option<PathBuf>, rotation: f32 },
 }
 
 /// Falloff of a spot light between its inner and its outer half-angle.

@@ -3,16 +3,16 @@
 use super::gather::Indirect;
 use super::gbuffer::GBuffer;
 use super::methods::{Method, NOTHING};
+use super::sky::sky_of;
 use super::vpls::Vpls;
 use crate::config::{ComposeConfig, Show, Tonemap};
 use crate::gpu::Format;
 use crate::graph::{Buffer, Graph, Image};
 use crate::shader_struct;
-use glam::Vec3;
+use crate::world::sky::FrameSky;
 
 shader_struct! {
     struct SumParams {
-        environment: [f32; 3],
         exposure: f32,
         background: [f32; 3],
     }
@@ -40,15 +40,16 @@ pub fn method() -> Method {
 }
 
 /// Sums direct, indirect and emitted radiance. The indirect part is multiplied by `visible` if there is such an image; pixels without a
-/// surface show `environment`, a radiance. The config may have the image show the indirect light or `vpls` instead.
+/// surface show the sky. The config may have the image show the indirect light or `vpls`, if there are any, instead.
+#[allow(clippy::too_many_arguments)]
 pub fn sum(
     g: &mut Graph,
     gbuffer: &GBuffer,
     direct: Image,
     light: Indirect,
     visible: Option<Image>,
-    vpls: &Vpls,
-    environment: Vec3,
+    vpls: Option<&Vpls>,
+    sky: &FrameSky<'_>,
     config: &ComposeConfig,
 ) -> Composed {
     let composed = Composed {
@@ -56,11 +57,11 @@ pub fn sum(
         radiance: g.image("compose/radiance", Format::Rgba16Float, gbuffer.size),
         image: g.image("compose/image", Format::Rgba8Unorm, gbuffer.size),
     };
-    let marks = (config.show == Show::Vpls).then(|| marks(g, gbuffer, vpls));
-    let pass = g.compute("compose/sum");
-    let pass = match (config.show, marks) {
+    let shown = vpls.filter(|_| config.show == Show::Vpls).map(|vpls| (marks(g, gbuffer, vpls), vpls));
+    let pass = sky_of(g.compute("compose/sum"), sky);
+    let pass = match (config.show, shown) {
         (Show::Indirect, _) => pass.part("shown", "compose/shown-indirect"),
-        (Show::Vpls, Some(marks)) => pass.part("shown", "compose/shown-vpls").reads("marks", marks).reads("intensities", vpls.intensities),
+        (_, Some((marks, vpls))) => pass.part("shown", "compose/shown-vpls").reads("marks", marks).reads("intensities", vpls.intensities),
         _ => pass,
     };
     let pass = match visible {
@@ -81,7 +82,7 @@ pub fn sum(
         .writes("image", composed.image)
         .constant("REFLECTION", light.reflection.is_some())
         .constant("REINHARD", config.tonemap == Tonemap::Reinhard)
-        .params(&SumParams { environment: environment.into(), exposure: config.exposure, background: config.background })
+        .params(&SumParams { exposure: config.exposure, background: config.background })
         .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
     composed
 }

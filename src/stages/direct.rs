@@ -1,5 +1,6 @@
 //! Direct light, with shadows from the depth of the reflective shadow maps, or from rays.
 
+use super::gather::Indirect;
 use super::methods::{Choice, NOTHING, Needs};
 use super::rsm::Rsm;
 use super::surroundings::Surroundings;
@@ -34,15 +35,18 @@ impl Choice for Shadows {
     }
 }
 
-/// Direct light with the shadows that the config chooses: an image of outgoing radiance, albedo included.
-pub fn shade(g: &mut Graph, around: Surroundings<'_>, config: &DirectConfig) -> Image {
+/// Direct light with the shadows that the config chooses, and the filtered light of the sky if there is any: an image of outgoing radiance,
+/// albedo included.
+pub fn shade(g: &mut Graph, around: Surroundings<'_>, sky: Option<Indirect>, config: &DirectConfig) -> Image {
     let Surroundings { scene, traced, gbuffer, rsm, wants, .. } = around;
     let direct = g.image("direct/radiance", Format::Rgba16Float, gbuffer.size);
-    let moments = match config.shadows {
+    // Without a light there is no map.
+    let shadows = if rsm.layers == 0 { Shadows::None } else { config.shadows };
+    let moments = match shadows {
         Shadows::Variance => Some(variance_moments(g, rsm, config.blur)),
         Shadows::PercentageCloser | Shadows::RayTraced | Shadows::None => None,
     };
-    let (shadow, map) = match config.shadows {
+    let (shadow, map) = match shadows {
         Shadows::Variance => ("direct/shadow-variance", moments.map(|image| ("moments", image, Sampler::Linear))),
         Shadows::PercentageCloser => ("direct/shadow-percentage-closer", Some(("rsm_depth", rsm.depth, Sampler::Nearest))),
         Shadows::RayTraced => ("direct/shadow-ray-traced", None),
@@ -68,13 +72,20 @@ pub fn shade(g: &mut Graph, around: Surroundings<'_>, config: &DirectConfig) -> 
             radius: config.blur as i32,
             // The filter window's farthest texel must stay below the lifted point on a slope. A variance map needs no wider lift: its mean
             // stays on the slope.
-            lift: if config.shadows == Shadows::PercentageCloser { config.blur as f32 + 1.0 } else { 1.0 },
+            lift: if shadows == Shadows::PercentageCloser { config.blur as f32 + 1.0 } else { 1.0 },
         });
-    pass = match (config.shadows, traced) {
+    pass = match (shadows, traced) {
         (Shadows::RayTraced, Some(traced)) => pass.traces(traced),
         (Shadows::RayTraced, None) => unreachable!("the scene was brought without what rays need"),
         _ => pass,
     };
+    if let Some(Indirect { irradiance, reflection, .. }) = sky {
+        pass = match reflection {
+            None => pass.part("sky", "direct/sky-diffuse"),
+            Some(reflection) => pass.part("sky", "direct/sky-glossy").reads("sky_reflection", reflection),
+        };
+        pass = pass.reads("sky_irradiance", irradiance);
+    }
     if let Some((binding, image, sampler)) = map {
         pass = pass.samples(binding, image, sampler);
     }

@@ -14,6 +14,7 @@ pub mod interleave;
 pub mod methods;
 pub mod residents;
 pub mod rsm;
+pub mod sky;
 pub mod ssao;
 pub mod surroundings;
 pub mod visibility;
@@ -21,8 +22,8 @@ pub mod vpls;
 pub mod wants;
 
 use crate::config::{
-    Collect, Config, Culling, FilterKind, GatherMethod, Importance, IsmRenderer, Layers, PointSet, Rasterization, Shadows, SsaoMethod,
-    StochasticCulling, VisibilityMethod, VplSampler,
+    Collect, Config, Culling, FilterKind, GatherMethod, Importance, IsmRenderer, Layers, PointSet, Rasterization, Shadows, SkyVisibility,
+    SsaoMethod, StochasticCulling, VisibilityMethod, VplSampler,
 };
 use crate::scene::Light;
 use anyhow::Result;
@@ -46,6 +47,7 @@ pub fn methods() -> Vec<Method> {
         Method::every::<StochasticCulling>(),
         Method::every::<Rasterization>(),
         Method::every::<FilterKind>(),
+        Method::every::<SkyVisibility>(),
         Method::every::<Shadows>(),
         Method::every::<SsaoMethod>(),
         vec![compose::method()],
@@ -65,7 +67,9 @@ pub fn methods_of(config: &Config) -> Vec<Method> {
         methods.extend([Method::of(ism.points), Method::of(ism.collect), visibility::renderer(ism)]);
     }
     methods.extend(gather::methods(config));
-    methods.extend([Method::of(config.filter.kind), Method::of(config.direct.shadows), Method::of(config.ssao.method), compose::method()]);
+    methods.push(Method::of(config.filter.kind));
+    methods.extend(config.sky_visibility().map(Method::of));
+    methods.extend([Method::of(config.direct.shadows), Method::of(config.ssao.method), compose::method()]);
     methods
 }
 
@@ -78,7 +82,7 @@ pub fn names() -> Vec<&'static str> {
 
 /// Whether a config traces rays.
 pub fn needs_rays(config: &Config) -> bool {
-    visibility::needs_rays(config) || config.direct.shadows == Shadows::RayTraced
+    visibility::needs_rays(config) || sky::needs_rays(config) || config.direct.shadows == Shadows::RayTraced
 }
 
 /// Refuses configs that the device cannot run; errors name the key.
@@ -89,15 +93,18 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     gbuffer::check(config, facts)?;
     rsm::check(config, facts)?;
     methods_of(config).iter().try_for_each(|method| method.check(facts.adapter))?;
-    vpls::check(config, facts)?;
+    if facts.maps > 0 {
+        vpls::check(config, facts)?;
+    }
     bounce::check(config, facts)?;
     visibility::check(config, facts)?;
-    gather::check(config, facts)
+    gather::check(config, facts)?;
+    sky::check(config, facts)
 }
 
 /// Warnings about a config under these lights.
 pub fn warnings(config: &Config, lights: &[Light], vpls: u32) -> Vec<String> {
-    [rsm::warnings(lights), bounce::warnings(config, vpls)].concat()
+    [rsm::warnings(lights), bounce::warnings(config, vpls), sky::warnings(config)].concat()
 }
 
 /// Warnings about rendering a config's sequence in parts.

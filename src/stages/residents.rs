@@ -33,12 +33,12 @@ impl Residents {
             self.triangles = Some(Triangles::upload(gpu, world.at_rest())?);
         }
         let ism = &config.visibility.ism;
-        let (count, thin, wanted) = (ism.point_count, ism.thin, ism.collect == Collect::Stored);
-        if let Some(triangles) = self.triangles.as_ref().filter(|_| wanted && triangles::needs_triangles(config))
-            && !self.stored.contains_key(&(count, thin))
-        {
-            let _span = trace::span("storing points");
-            self.stored.insert((count, thin), Stored::upload(gpu, world.at_rest(), count, thin, triangles.most_bytes)?);
+        for thin in triangles::thinnings(config).into_iter().filter(|_| ism.collect == Collect::Stored) {
+            let key = (ism.point_count, thin);
+            if let Some(triangles) = self.triangles.as_ref().filter(|_| !self.stored.contains_key(&key)) {
+                let _span = trace::span("storing points");
+                self.stored.insert(key, Stored::upload(gpu, world.at_rest(), key.0, key.1, triangles.most_bytes)?);
+            }
         }
         Ok(())
     }

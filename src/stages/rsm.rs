@@ -75,19 +75,17 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
 
 /// Warnings about light that the maps leave out.
 pub fn warnings(lights: &[Light]) -> Vec<String> {
-    let environment = lights.iter().any(|light| matches!(light, Light::Environment { .. }));
     let wide = |light: &Light| matches!(light, Light::Spot { outer, .. } if *outer > Projector::WIDEST_SPOT);
-    let warnings = [
-        environment.then_some("light: an environment is seen by the camera, but lights nothing in a rasterized frame"),
-        lights.iter().any(wide).then_some("light: a spot light is wider than 80 degrees to each side; beyond them it lights nothing"),
-    ];
-    warnings.into_iter().flatten().map(str::to_owned).collect()
+    let warning = "light: a spot light is wider than 80 degrees to each side; beyond them it lights nothing";
+    lights.iter().any(wide).then(|| warning.to_owned()).into_iter().collect()
 }
 
-/// Rasterizes the scene once for all lights, with one instance a layer; the vertex shader selects the layer.
+/// Rasterizes the scene once for all lights, with one instance a layer; the vertex shader selects the layer. Without lights there is no
+/// layer, and the images stand for nothing.
 pub fn draw(g: &mut Graph, scene: FrameScene<'_>, lights: &[Projector], wants: &Wants, config: &RsmConfig) -> Rsm {
-    let size = config.size;
     let layers = lights.len() as u32;
+    let size = if layers == 0 { [1, 1] } else { config.size };
+    let image_layers = layers.max(1);
     let mut block = vec![Projector::zeroed(); Projector::MAX];
     block[..lights.len()].copy_from_slice(lights);
     let rsm = Rsm {
@@ -96,15 +94,18 @@ pub fn draw(g: &mut Graph, scene: FrameScene<'_>, lights: &[Projector], wants: &
         kind: Projector::common_kind(lights),
         size,
         covers_all: config.bounds.is_none(),
-        depth: g.layered_image("rsm/depth", Format::Depth32, size, layers),
-        normal: g.layered_image("rsm/normal", Format::Rg16Snorm, size, layers),
-        flux: g.layered_image("rsm/flux", Format::Rgba32Float, size, layers),
-        albedo: g.layered_image("rsm/albedo", Format::Rgba16Float, size, layers),
+        depth: g.layered_image("rsm/depth", Format::Depth32, size, image_layers),
+        normal: g.layered_image("rsm/normal", Format::Rg16Snorm, size, image_layers),
+        flux: g.layered_image("rsm/flux", Format::Rgba32Float, size, image_layers),
+        albedo: g.layered_image("rsm/albedo", Format::Rgba16Float, size, image_layers),
         glossy: wants.glossy.then(|| GlossyRsm {
-            specular: g.layered_image("rsm/specular", Format::Rgba16Float, size, layers),
-            lobe: g.layered_image("rsm/lobe", Format::Rgba32Float, size, layers),
+            specular: g.layered_image("rsm/specular", Format::Rgba16Float, size, image_layers),
+            lobe: g.layered_image("rsm/lobe", Format::Rgba32Float, size, image_layers),
         }),
     };
+    if layers == 0 {
+        return rsm;
+    }
     let lists = scene.draw_lists(g, "rsm", Maps::Reflection, layers, |bounds| {
         lights.iter().filter(|light| light.sees(bounds)).map(|light| light.distance(bounds)).reduce(f32::min)
     });

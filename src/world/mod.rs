@@ -8,10 +8,12 @@ pub mod device_bvh;
 pub mod masks;
 pub mod projection;
 pub mod shot;
+pub mod sky;
 pub mod traced;
 pub mod view;
 mod word_image;
 
+use crate::config::Config;
 use crate::gpu::Gpu;
 use crate::graph::Graph;
 use crate::scene::Scene;
@@ -19,6 +21,7 @@ use crate::trace;
 use anyhow::Result;
 use device::{DeviceScene, FrameScene};
 pub use shot::{Lighting, Shot};
+use sky::{FrameSky, Skies};
 use traced::{TracedHandles, TracedScene};
 
 /// Requirements of frames on the scene, beside the rasterizer's own.
@@ -41,6 +44,7 @@ pub struct World {
     scene: Scene,
     device: DeviceScene,
     traced: Option<TracedScene>,
+    skies: Skies,
     /// Animation time of the acceleration structure, seconds; `None` before the first build and after a failed one.
     time_of_rays: Option<f64>,
     may_need: Needs,
@@ -58,7 +62,7 @@ impl World {
         if !may_need.rays {
             scene.textures = Vec::new();
         }
-        Ok(Self { scene, device, traced: None, time_of_rays: None, may_need })
+        Ok(Self { scene, device, traced: None, skies: Skies::default(), time_of_rays: None, may_need })
     }
 
     /// Makes missing parts. It is called before frames are described, because building a hierarchy takes seconds.
@@ -76,6 +80,19 @@ impl World {
             self.time_of_rays = Some(0.0);
         }
         Ok(())
+    }
+
+    /// Reads the map of a config's environment, if it has one and it is not there yet.
+    ///
+    /// # Errors
+    /// As [`Skies::bring`].
+    pub fn ensure_sky(&mut self, gpu: &mut Gpu, config: &Config) -> Result<()> {
+        config.sky_map().map_or(Ok(()), |(key, path)| self.skies.bring(gpu, &key, path))
+    }
+
+    /// The maps of environments.
+    pub fn skies(&self) -> &Skies {
+        &self.skies
     }
 
     /// The host's scene at second 0 of its animation.
@@ -130,6 +147,14 @@ impl World {
     /// Whether the scene is animated.
     pub fn moves(&self) -> bool {
         self.scene.animation.is_some()
+    }
+
+    /// Imports the environment of a frame's lighting into the frame's graph.
+    ///
+    /// # Panics
+    /// If its map was not [read](Self::ensure_sky).
+    pub fn import_sky(&self, g: &mut Graph, lighting: &Lighting) -> FrameSky<'_> {
+        self.skies.import(g, &lighting.environment)
     }
 
     /// Imports the scene into a frame's graph, with the acceleration structure if there is one.

@@ -1,13 +1,13 @@
 //! A frame's view, lighting and time: all that it shows, apart from how it is rendered.
 
 use super::projection::{Projector, View};
+use super::sky::Environment;
 use super::{World, view};
 use crate::config::Config;
 use crate::fail;
 use crate::gpu::Adapter;
 use crate::scene::{Aabb, Light};
 use anyhow::Result;
-use glam::Vec3;
 
 /// View, lighting and time of a frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,10 +23,9 @@ pub struct Shot {
 /// Lighting of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lighting {
-    /// Projectors, one a layer of the reflective shadow map; at least one.
+    /// Projectors, one a layer of the reflective shadow map; none if the environment is all that shines.
     pub projectors: Vec<Projector>,
-    /// Radiance of pixels without a surface.
-    pub environment: Vec3,
+    pub environment: Environment,
 }
 
 impl Shot {
@@ -48,7 +47,7 @@ impl Lighting {
     /// Lights of a config's frame, or the scene's own. Each has one layer of the RSM; a point light has six.
     ///
     /// # Errors
-    /// `BadInput` if no light has a layer, or if more layers are needed than the device has.
+    /// `BadInput` if nothing shines, or if more layers are needed than the device has.
     pub fn of(config: &Config, world: &World, adapter: &Adapter, index: u32) -> Result<Self> {
         let lights = world.lights(config, index);
         let bounds = world.device.bounds;
@@ -56,10 +55,11 @@ impl Lighting {
         let projectors = Projector::of_lights(&lights, config.rsm.size, target, bounds);
         let limits = &adapter.limits;
         let most = limits.image_layers.min(limits.framebuffer_layers).min(Projector::MAX as u32);
-        if projectors.is_empty() {
+        let environment = Environment::of(&lights);
+        if projectors.is_empty() && !environment.shines() {
             return Err(fail!(
                 BadInput,
-                "light: {} has no directional, spot or point light; add a [[light]] table to the config",
+                "light: {} has no directional, spot or point light, and no environment shines; add a [[light]] table to the config",
                 world.scene.name
             ));
         }
@@ -71,11 +71,7 @@ impl Lighting {
                 adapter.name
             ));
         }
-        let environment = lights.iter().filter_map(|light| match light {
-            Light::Environment { radiance } => Some(*radiance),
-            _ => None,
-        });
-        Ok(Self { projectors, environment: environment.sum() })
+        Ok(Self { projectors, environment })
     }
 }
 

@@ -137,7 +137,9 @@ fn light_at(light: &LightConfig, time: f64) -> Light {
             position: track(keyframes, |key| key.position, *position).as_vec3(),
             intensity: track(keyframes, |key| key.intensity, *intensity).as_vec3(),
         },
-        LightConfig::Environment { radiance } => Light::Environment { radiance: (*radiance).into() },
+        LightConfig::Environment { radiance, map, rotation_deg } => {
+            Light::Environment { radiance: (*radiance).into(), map: map.clone(), rotation: rotation_deg.to_radians() }
+        }
     }
 }
 
@@ -215,7 +217,7 @@ mod tests {
                 material: 0,
                 transform: Default::default(),
             }],
-            lights: vec![Light::Environment { radiance: Vec3::ONE }],
+            lights: vec![Light::Environment { radiance: Vec3::ONE, map: None, rotation: 0.0 }],
             cameras: vec![Camera { name: "eye".to_owned(), fov_y_deg: 20.0, ..looking(Vec3::X, Vec3::ZERO) }],
             ..Scene::default()
         }

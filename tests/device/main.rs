@@ -27,6 +27,7 @@ mod points;
 mod reference;
 mod repeat;
 mod sampling;
+mod sky;
 mod ssao;
 mod stochastic;
 mod stored;

@@ -13,7 +13,7 @@ use manylight::scene::{Filter, Map, Material, Scene, Texture};
 const SIZE: DVec3 = DVec3::new(4.0, 3.0, 5.0);
 
 fn no_light() -> LightConfig {
-    LightConfig::Environment { radiance: [0.0; 3] }
+    LightConfig::Environment { radiance: [0.0; 3], map: None, rotation_deg: 0.0 }
 }
 
 fn emitting(albedo: f32, emission: f32) -> Material {
@@ -72,7 +72,11 @@ fn light_of_each_kind_arrives_as_its_unit_says() {
         ("point", vec![point], 5.0 / 4.0 * per_pi),
         // The middle of the falloff, 30 degrees off the axis.
         ("falloff", vec![spot_at(2.0 * 30f32.to_radians().tan())], 5.0 * 0.5 * 30f64.to_radians().cos().powi(3) / 4.0 * per_pi),
-        ("environment", vec![LightConfig::Environment { radiance: [5.0, 6.0, 7.0] }], 5.0 * f64::from(albedo)),
+        (
+            "environment",
+            vec![LightConfig::Environment { radiance: [5.0, 6.0, 7.0], map: None, rotation_deg: 0.0 }],
+            5.0 * f64::from(albedo),
+        ),
     ];
     for (name, light, expected) in cases {
         let mut config = plain([8, 8], Vec3::new(0.0, 1.0, 0.0), Vec3::ZERO, 1.0, no_light());

@@ -73,6 +73,7 @@ fn every_mistake_gets_a_sentence_with_file_line_and_key() {
     let deep = format!("a = {}1{}", "[".repeat(200), "]".repeat(200));
     let spot = |more: &str| format!("{SPOT}{more}");
     let sun = |more: &str| format!("{SUN}{more}");
+    let sky = |more: &str| format!("[[light]]\nkind = \"environment\"\nradiance = [1, 1, 1]\n{more}");
     let cases: &[(&str, &str)] = &[
         // Unknown keys.
         ("[gather]\ninterleve = 2", "x.toml:2: gather.interleve: unknown key; did you mean \"interleave\"?"),
@@ -226,6 +227,14 @@ fn every_mistake_gets_a_sentence_with_file_line_and_key() {
         ("\n[[light]]\nposition = [0, 0, 0]", "x.toml:2: light.0: needs kind, one of \"directional\""),
         ("\n[[light]]\nkind = \"spot\"", "x.toml:2: light.0: a spot light needs position"),
         ("[[light]]\nkind = \"environment\"", "x.toml:1: light.0: an environment light needs radiance"),
+        (&sky("rotation_deg = 20"), "x.toml:4: light.0.rotation_deg: turns a map; give map too"),
+        (&sky("map = \"\""), "x.toml:4: light.0.map: "),
+        (&sky("map = \"sky.exr\"\nrotation_deg = 400"), "x.toml:5: light.0.rotation_deg: 400 is out of range"),
+        (
+            &sky("[[light]]\nkind = \"environment\"\nradiance = [1, 1, 1]\nmap = \"sky.exr\""),
+            "x.toml:7: light.1.map: a map is the only environment; remove the other lights of this kind",
+        ),
+        ("[sky]\ncount = 5000", "x.toml:2: sky.count: 5000 is out of range, expected 1 to 4096"),
         ("[[light]]\nkind = \"directional\"\nirradiance = [1, 1, 1]", "x.toml:1: light.0: needs direction or target"),
         (&spot("direction = [0, -1, 0]"), "x.toml:4: light.0.target: excludes direction; give one of them"),
         (&spot("irradiance = [1, 1, 1]"), "x.toml:6: light.0.irradiance: a spot light has no irradiance; give intensity"),
@@ -324,7 +333,7 @@ fn a_config_lies_over_its_base_key_by_key_and_a_list_replaces_a_list() {
     let config = folder.load("top.toml", &[]).unwrap();
     assert_eq!((config.gather.interleave, config.gather.min_distance, config.vpls.count), (8.into(), 0.2, 64));
     assert_eq!(config.scene.triangles, 50_000);
-    assert_eq!(config.light, [LightConfig::Environment { radiance: [1.0; 3] }]);
+    assert_eq!(config.light, [LightConfig::Environment { radiance: [1.0; 3], map: None, rotation_deg: 0.0 }]);
     assert_eq!(folder.load("top.toml", &["scene.builtin=cornell"]).unwrap().scene.builtin, Some(Builtin::Cornell));
 }
 
@@ -425,6 +434,18 @@ fn paths_start_from_the_file_that_says_them_and_from_the_current_folder_for_set(
         &[("models/box.glb", ""), ("models/base.toml", "scene.file = \"box.glb\""), ("runs/top.toml", "base = \"../models/base.toml\"")],
     );
     let file = folder.load("runs/top.toml", &[]).unwrap().scene.file.unwrap();
+    let skies = [
+        ("models/sky.exr", ""),
+        ("models/sky.toml", "[[light]]\nkind = \"environment\"\nradiance = [1, 1, 1]\nmap = \"sky.exr\""),
+        ("runs/sky.toml", "base = \"../models/sky.toml\""),
+        ("runs/none.toml", "[[light]]\nkind = \"environment\"\nradiance = [1, 1, 1]\nmap = \"sky.exr\""),
+    ];
+    let skies = Folder::new("skies", &skies);
+    let config = skies.load("runs/sky.toml", &[]).unwrap();
+    let (key, map) = config.sky_map().unwrap();
+    assert!(key == "light.0.map" && map.is_absolute() && map.ends_with("sky.exr") && map.is_file(), "{key}: {}", map.display());
+    let error = skies.load("runs/none.toml", &[]).unwrap_err();
+    assert!(error.contains("none.toml:4: light.0.map: ") && error.ends_with("sky.exr does not exist"), "{error}");
     assert!(file.is_absolute() && file.ends_with("box.glb") && file.is_file(), "{}", file.display());
     let here = parse("", &["scene.file=box.glb"]).unwrap().scene.file.unwrap();
     assert_eq!(here, std::env::current_dir().unwrap().join("box.glb"));

@@ -4,6 +4,8 @@ use crate::place::{Place, text};
 use glam::{Affine3A, Vec2, Vec3};
 use manylight::config::Dielectric;
 use manylight::export::mitsuba::{Shot, write};
+use manylight::output::exr::Precision;
+use manylight::output::{ExrLayer, read_exr, write_exr};
 use manylight::scene::builder::Mesh;
 use manylight::scene::{Camera, Light, Map, Material, Scene, SpotFalloff, Texture, Wrap, builtin};
 use roxmltree::{Document, Node};
@@ -36,6 +38,10 @@ impl Exported {
 
     fn parse(&self) -> Document<'_> {
         Document::parse(&self.xml).unwrap()
+    }
+
+    fn path(&self, file: &str) -> std::path::PathBuf {
+        self.folder.path().join(file)
     }
 
     fn warns(&self, of: &str) -> bool {
@@ -198,7 +204,7 @@ fn every_kind_of_light_keeps_its_numbers() {
         Light::Directional { direction, irradiance: intensity },
         spot(SpotFalloff::Angle, 0.5),
         Light::Point { position, intensity },
-        Light::Environment { radiance: Vec3::splat(0.25) },
+        Light::Environment { radiance: Vec3::splat(0.25), map: None, rotation: 0.0 },
     ];
     let exported = Exported::of(&builtin::cornell(), &lights, Dielectric::Lambert);
     let document = exported.parse();
@@ -217,6 +223,21 @@ fn every_kind_of_light_keeps_its_numbers() {
     let look = spot_node.descendants().find(|node| node.has_tag_name("lookat")).unwrap();
     assert_eq!(["origin", "target"].map(|name| look.attribute(name).unwrap()), ["1, 2, 3", "1.6, 1.2, 3"]);
     assert!(exported.warns("environment"));
+
+    // A map is written beside, with its factor.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("sky.exr");
+    let layer = ExrLayer::interleaved("", "RGB", 3, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], Precision::Float);
+    write_exr(&path, 2, 1, vec![layer], &[]).unwrap();
+    let sky = Light::Environment { radiance: Vec3::new(2.0, 1.0, 0.5), map: Some(path), rotation: 0.5 };
+    let exported = Exported::of(&builtin::cornell(), &[sky], Dielectric::Lambert);
+    let document = exported.parse();
+    let sky = find(document.root(), "envmap");
+    let turn = sky.descendants().find(|node| node.has_tag_name("rotate")).unwrap();
+    assert_eq!(["y", "angle"].map(|name| turn.attribute(name).unwrap()), ["1", &0.5f32.to_degrees().to_string()]);
+    let file = sky.descendants().find(|node| node.attribute("name") == Some("filename")).unwrap().attribute("value").unwrap();
+    let picture = read_exr(&exported.path(file)).unwrap();
+    assert_eq!(["R", "G", "B"].map(|name| picture.channels[name].clone()), [[2.0, 8.0], [2.0, 5.0], [1.5, 3.0]]);
 
     // glTF's falloff is a texture in a beam of full width: black at the rim, white within the inner angle.
     let exported = Exported::of(&builtin::cornell(), &[spot(SpotFalloff::CosineSquared, 0.5)], Dielectric::Lambert);

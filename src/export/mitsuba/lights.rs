@@ -5,6 +5,7 @@ use super::super::xml::Element;
 use super::textures::Textures;
 use crate::output::exr::Precision;
 use crate::output::{ExrLayer, write_exr};
+use crate::scene::sky::SkyMap;
 use crate::scene::{Light, SpotFalloff};
 use crate::world::projection::Projector;
 use anyhow::Result;
@@ -17,16 +18,28 @@ pub fn emitters(lights: &[Light], folder: &Path, warnings: &mut Warnings) -> Res
 }
 
 fn emitter(light: &Light, number: usize, folder: &Path, warnings: &mut Warnings) -> Result<Element> {
-    Ok(match *light {
+    Ok(match light.clone() {
         Light::Directional { direction, irradiance } => Element::plugin("emitter", "directional")
             .child(Element::point("vector", "direction", direction.into()))
             .child(Element::rgb("irradiance", irradiance.into())),
         Light::Point { position, intensity } => Element::plugin("emitter", "point")
             .child(Element::point("point", "position", position.into()))
             .child(Element::rgb("intensity", intensity.into())),
-        Light::Environment { radiance } => {
-            warnings.add("light: an environment lights the scene in Mitsuba, and in a rasterized frame of ours nothing");
+        Light::Environment { radiance, map: None, .. } => {
+            warnings.add(SKY);
             Element::plugin("emitter", "constant").child(Element::rgb("radiance", radiance.into()))
+        }
+        Light::Environment { radiance, map: Some(map), rotation } => {
+            warnings.add(SKY);
+            // The picture has the factor in it: Mitsuba's is one number for all colours.
+            let file = format!("{}/sky-{number}.exr", Textures::FOLDER);
+            let map = SkyMap::read(&map)?;
+            let colors = map.texels.iter().flat_map(|[r, g, b, _]| (Vec3::new(*r, *g, *b) * radiance).to_array());
+            let picture = ExrLayer::interleaved("", "RGB", 3, &colors.collect::<Vec<f32>>(), Precision::Float);
+            write_exr(&folder.join(&file), map.size[0], map.size[1], vec![picture], &[])?;
+            Element::plugin("emitter", "envmap")
+                .child(Element::value("string", "filename", file))
+                .child(Element::rotation_y(rotation.to_degrees()))
         }
         Light::Spot { position, direction, intensity, inner, outer, falloff } => {
             let widest = outer.min(Projector::WIDEST_SPOT);
@@ -56,6 +69,8 @@ fn emitter(light: &Light, number: usize, folder: &Path, warnings: &mut Warnings)
         }
     })
 }
+
+const SKY: &str = "light: an environment's light is reflected by all surfaces in Mitsuba, and by those that it reaches directly in a rasterized frame of ours";
 
 /// Side of the texture of a spot light's falloff, texels.
 const FALLOFF_SIZE: u32 = 1024;

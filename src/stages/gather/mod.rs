@@ -75,27 +75,46 @@ pub fn indirect(
     config: &GatherConfig,
 ) -> Indirect {
     match (config.method, config.stochastic.culling) {
-        (GatherMethod::PerPixel, _) => sum_of(g, lights, |g, vpls, visibility| per_pixel(g, around, vpls, visibility, config)),
+        (GatherMethod::PerPixel, _) => sum_of(g, around, lights, |g, vpls, visibility| per_pixel(g, around, vpls, visibility, config)),
         (GatherMethod::Stochastic, StochasticCulling::Tiled) => {
-            sum_of(g, lights, |g, vpls, visibility| stochastic::tiled(g, around, vpls, visibility, roulette, config))
+            sum_of(g, around, lights, |g, vpls, visibility| stochastic::tiled(g, around, vpls, visibility, roulette, config))
         }
         (GatherMethod::Stochastic, StochasticCulling::Splatting) => {
-            sum_of(g, lights, |g, vpls, _| splatting::splatting(g, around, vpls, roulette, config))
+            sum_of(g, around, lights, |g, vpls, _| splatting::splatting(g, around, vpls, roulette, config))
         }
         (GatherMethod::Stochastic, StochasticCulling::ConservativeClusters) => {
-            sum_of(g, lights, |g, vpls, _| conservative::conservative_clusters(g, around, vpls, roulette, config))
+            sum_of(g, around, lights, |g, vpls, _| conservative::conservative_clusters(g, around, vpls, roulette, config))
         }
     }
 }
 
-/// Gathers each bounce by itself and sums the images.
-fn sum_of(g: &mut Graph, lights: &[(Vpls, Visibility)], one: impl Fn(&mut Graph, &Vpls, Visibility) -> Indirect) -> Indirect {
+/// Gathers each bounce by itself and sums the images. Without a bounce there is no light.
+fn sum_of(
+    g: &mut Graph,
+    around: Surroundings<'_>,
+    lights: &[(Vpls, Visibility)],
+    one: impl Fn(&mut Graph, &Vpls, Visibility) -> Indirect,
+) -> Indirect {
+    if lights.is_empty() {
+        return dark(g, around);
+    }
     let images: Vec<Indirect> =
         lights.iter().zip(1..).map(|((vpls, visibility), time)| g.again(time, |g| one(g, vpls, *visibility))).collect();
     let irradiance =
         total(g, ["gather/add", "gather/sum"], images.iter().map(|light| light.irradiance)).expect("there is a bounce at least");
     let reflection = total(g, ["gather/add-reflection", "gather/reflection-sum"], images.iter().filter_map(|light| light.reflection));
     Indirect { irradiance, reflection, pattern: images[0].pattern }
+}
+
+/// No light at all.
+fn dark(g: &mut Graph, around: Surroundings<'_>) -> Indirect {
+    let size = around.gbuffer.size;
+    let irradiance = g.image("gather/irradiance", Format::Rgba16Float, size);
+    g.compute("gather/dark")
+        .writes("irradiance", irradiance)
+        .params(&AddParams { size: size.map(|n| n as i32) })
+        .dispatch([size[0], size[1], 1]);
+    Indirect { irradiance, reflection: None, pattern: Interleave::of(1.into()) }
 }
 
 /// Sum of images, or `None` of none; `names` are the pass's and the image's.
@@ -148,7 +167,7 @@ fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: V
 }
 
 /// Begins a pass that looks up imperfect shadow maps.
-fn in_maps<'g>(g: &'g mut Graph, name: &'static str, ism: Ism) -> ComputePass<'g> {
+pub(super) fn in_maps<'g>(g: &'g mut Graph, name: &'static str, ism: Ism) -> ComputePass<'g> {
     let block = IsmBlock { far: ism.far, bias: ism.bias, size: ism.size as i32, columns: ism.columns };
     let block = g.upload("gather/ism", &[block]);
     g.compute(name).reads("ism", block).reads("maps", ism.maps).constant("BILINEAR", ism.lookup == Lookup::Bilinear)

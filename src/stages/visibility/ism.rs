@@ -3,15 +3,27 @@
 
 use super::points::{self, Points};
 use super::{Visibility, VisibilityConfig, adaptive, pull_push, splat};
-use crate::config::{IsmRenderer, Lookup, PointSet};
+use crate::config::{IsmConfig, IsmRenderer, Lookup, PointSet};
 use crate::gpu::Format;
-use crate::graph::{ComputePass, Graph, Image};
+use crate::graph::{Buffer, ComputePass, Graph, Image};
 use crate::shader_struct;
 use crate::stages::facts::planned_turns;
 use crate::stages::surroundings::Surroundings;
 use crate::stages::vpls::Vpls;
 
 shader_struct! {
+    /// `glsl/visibility/sky-frame.glsl`: of a direction's orthographic map.
+    pub struct SkyFrame {
+        /// Vector of which the dot product with that from the VPL to a point is the point's place across, in [-1, 1].
+        pub right: [f32; 3],
+        /// Mean length of `right` and `up`, 1/m.
+        pub scale: f32,
+        /// The same for the place down.
+        pub up: [f32; 3],
+        /// 1 / (scale * far).
+        pub extent: f32,
+    }
+
     pub(super) struct ClearParams {
         pub size: [i32; 2],
     }
@@ -34,9 +46,21 @@ shader_struct! {
 const SINGLE_PIXEL_ENLARGE: f32 = 1.0;
 const ADAPTIVE_ENLARGE: f32 = 1.1;
 const TILTED_ENLARGE: f32 = 1.25;
+/// The same for orthographic maps of all of the scene. A ray that finds a hole in an outer wall lights a room.
+const SKY_ENLARGE: f32 = 1.5;
+const SKY_SPLAT_ENLARGE: f32 = 1.3;
 
 /// Points that a workgroup draws, at most: each takes a lane up to 65 loop turns.
 const POINTS_A_GROUP: u32 = 64 * (planned_turns(16_640) / 65) as u32;
+
+/// How a map projects the scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Projection {
+    /// The hemisphere that a VPL faces.
+    Paraboloid,
+    /// All of the scene, from infinitely far away: a [`SkyFrame`] a map.
+    Orthographic(Buffer),
+}
 
 /// Maps of all VPLs, tiled in one image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,19 +93,38 @@ pub fn partition_capacity(config: &VisibilityConfig, points: f64, partitions: u3
 
 /// Renders the maps with the config's renderer.
 pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Visibility {
+    Visibility::Ism(projected(g, around, vpls, Projection::Paraboloid, config))
+}
+
+/// Renders orthographic maps of all of the scene for VPLs that are directions, from points of equal area without normals. Walls would get
+/// hardly a point in a scene of fine meshes if each triangle had one. There is a [`SkyFrame`] for each VPL.
+pub fn of_directions(
+    g: &mut Graph,
+    around: Surroundings<'_>,
+    vpls: &Vpls,
+    frames: Buffer,
+    map_size: u32,
+    config: &VisibilityConfig,
+) -> Ism {
+    let enlarge = if config.ism.renderer == IsmRenderer::Splat { SKY_SPLAT_ENLARGE } else { SKY_ENLARGE };
+    let enlarge = Some(config.ism.enlarge.unwrap_or(enlarge));
+    let ism = IsmConfig { points: PointSet::Uniform, normals: false, thin: true, map_size, enlarge, ..config.ism.clone() };
+    projected(g, around, vpls, Projection::Orthographic(frames), &VisibilityConfig { ism, ..config.clone() })
+}
+
+fn projected(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, projection: Projection, config: &VisibilityConfig) -> Ism {
     let maps = match config.ism.renderer {
-        IsmRenderer::SinglePixel => single_pixel(g, around, vpls, config),
-        IsmRenderer::Splat => splat::render(g, around, vpls, config),
+        IsmRenderer::SinglePixel => single_pixel(g, around, vpls, projection, config),
+        IsmRenderer::Splat => splat::render(g, around, vpls, projection, config),
     };
-    let far = around.scene.bounds().size().length();
-    Visibility::Ism(Ism {
+    Ism {
         maps,
         size: config.ism.map_size,
         columns: layout(vpls.count)[0],
-        far,
+        far: around.scene.bounds().size().length(),
         bias: bias(config, vpls.count),
         lookup: config.lookup,
-    })
+    }
 }
 
 /// Bias of the lookup, in texels: it grows with the coarseness of the map, by its texels and by the distances between its points.
@@ -104,7 +147,7 @@ pub(super) fn collected(config: &VisibilityConfig, count: u32) -> u32 {
 }
 
 /// Points as single pixels, with a pull-push pass that fills the holes between them (sections 4.4.3 and 4.4.4).
-fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
+fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, projection: Projection, config: &VisibilityConfig) -> Image {
     let points = match config.ism.points {
         PointSet::Uniform => points::collect(g, around, vpls.count, config),
         PointSet::Adaptive => {
@@ -115,7 +158,7 @@ fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &V
     let size = [columns * config.ism.map_size, rows * config.ism.map_size];
     let target = g.image("visibility/single-pixels", Format::R32Uint, size);
     clear(g, "visibility/clear", target);
-    let drawing = Drawing { around, vpls, columns, config };
+    let drawing = Drawing { around, vpls, projection, columns, config };
     let counts = [g.count("visibility/dropped-points"), g.count("visibility/drawn-points")];
     for (number, points) in (1..).zip(&points) {
         g.again(number, |g| {
@@ -134,7 +177,7 @@ fn single_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &V
         }
         tilts
     });
-    pull_push::fill(g, target, tilts, config)
+    pull_push::fill(g, target, tilts, projection, config)
 }
 
 fn clear(g: &mut Graph, name: &'static str, target: Image) {
@@ -150,15 +193,20 @@ fn clear(g: &mut Graph, name: &'static str, target: Image) {
 struct Drawing<'f> {
     around: Surroundings<'f>,
     vpls: &'f Vpls,
+    projection: Projection,
     columns: u32,
     config: &'f VisibilityConfig,
 }
 
 impl Drawing<'_> {
     fn dispatch(&self, points: &Points, pass: ComputePass<'_>) {
-        let Self { around, vpls, columns, config } = self;
+        let Self { around, vpls, projection, columns, config } = self;
         let own = config.ism.points == PointSet::Adaptive;
         let diagonal = around.scene.bounds().size().length();
+        let pass = match projection {
+            Projection::Paraboloid => pass,
+            Projection::Orthographic(frames) => pass.part("projection", "visibility/projection-orthographic").reads("frames", *frames),
+        };
         pass.reads("points", points.points)
             .reads("begins", points.begins)
             .reads("fill", points.fill)

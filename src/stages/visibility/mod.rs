@@ -14,7 +14,7 @@ mod splat;
 pub mod stored;
 pub mod triangles;
 
-pub use ism::{Ism, partition_capacity};
+pub use ism::{Ism, SkyFrame, of_directions, partition_capacity};
 pub use ray_traced::BITS;
 pub use shared::MOST_TEXELS_A_MAP;
 

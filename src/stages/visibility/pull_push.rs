@@ -2,6 +2,7 @@
 //! coarser level. The push phase fills empty and hidden texels from the coarser level.
 
 use super::VisibilityConfig;
+use super::ism::Projection;
 use crate::gpu::Format;
 use crate::graph::{Graph, Image};
 use crate::shader_struct;
@@ -43,7 +44,7 @@ const PUSH: [&str; 8] = [
 ];
 
 /// Fills the holes in maps of single pixels; passes are named by the level that they write. `tilts` are given if normals are kept.
-pub(super) fn fill(g: &mut Graph, pixels: Image, tilts: Option<Image>, config: &VisibilityConfig) -> Image {
+pub(super) fn fill(g: &mut Graph, pixels: Image, tilts: Option<Image>, projection: Projection, config: &VisibilityConfig) -> Image {
     // The coarsest level has one texel a map.
     let levels = config.ism.map_size.ilog2() as usize;
     let size = |level: usize| pixels.size.map(|n| n >> level);
@@ -61,9 +62,11 @@ pub(super) fn fill(g: &mut Graph, pixels: Image, tilts: Option<Image>, config: &
         } else {
             pass.shader("visibility/pull").reads("finer", pulled[level - 2])
         };
-        if let (1, Some(tilts)) = (level, tilts) {
-            pass = pass.part("extent", "visibility/extent-tilted").reads("tilts", tilts);
-        }
+        pass = match (level, tilts, projection) {
+            (1, Some(tilts), _) => pass.part("extent", "visibility/extent-tilted").reads("tilts", tilts),
+            (1, None, Projection::Orthographic(frames)) => pass.part("extent", "visibility/extent-orthographic").reads("frames", frames),
+            _ => pass,
+        };
         pass.writes("coarser", pulled[level - 1]).params(&PullParams { size: signed(level), texel: (1u32 << level) as f32 }).dispatch([
             size(level)[0],
             size(level)[1],

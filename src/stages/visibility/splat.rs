@@ -2,13 +2,13 @@
 
 use super::VisibilityConfig;
 use super::density::{self, goes_through, rows};
-use super::ism::{ClearParams, collected, considered, layout};
+use super::ism::{ClearParams, Projection, collected, considered, layout};
 use super::masks::masked;
 use super::points::{PointsParams, turn};
 use super::stored::{FrameSegment, RECORD};
 use crate::config::Collect;
 use crate::gpu::Format;
-use crate::graph::{Buffer, DrawList, Graph, Image};
+use crate::graph::{Buffer, DrawList, Graph, Image, RasterPass};
 use crate::shader_struct;
 use crate::stages::surroundings::Surroundings;
 use crate::stages::vpls::Vpls;
@@ -44,7 +44,7 @@ shader_struct! {
 const SPLAT_ENLARGE: f32 = 0.9;
 
 /// Draws the points of the config's choice into the maps. Counts `visibility/made-points`.
-pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig) -> Image {
+pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, projection: Projection, config: &VisibilityConfig) -> Image {
     let [columns, rows] = layout(vpls.count);
     let size = [columns * config.ism.map_size, rows * config.ism.map_size];
     let splats = g.image("visibility/splats", Format::Depth32, size);
@@ -60,6 +60,7 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, confi
             enlarge: config.ism.enlarge.unwrap_or(SPLAT_ENLARGE),
         }],
     );
+    let drawing = Drawing { around, vpls, projection, config, block, splats };
     g.tell("visibility/asked-points", u64::from(config.ism.point_count));
     match config.ism.collect {
         Collect::Stored => {
@@ -70,10 +71,10 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, confi
                 g.raster("visibility/splat-stored").depth(splats).draw(Vec::new());
             }
             for (number, segment) in (1..).zip(segments) {
-                g.again(number, |g| stored(g, around, vpls, config, block, splats, (number, segment)));
+                g.again(number, |g| drawing.stored(g, number, segment));
             }
         }
-        Collect::Tessellation | Collect::Compute => tessellated(g, around, vpls, config, block, splats),
+        Collect::Tessellation | Collect::Compute => drawing.tessellated(g),
     }
     g.compute("visibility/splat-distances")
         .reads("splats", splats)
@@ -83,73 +84,81 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, confi
     maps
 }
 
-/// Squares directly from the tessellator.
-fn tessellated(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &VisibilityConfig, block: Buffer, splats: Image) {
-    let density = density::of(g, around, config.ism.point_count, config.ism.thin);
-    let diagonal = around.scene.bounds().size().length();
-    let (partitions, seed) = (vpls.count, around.wants.seed);
-    let params = PointsParams { diagonal, partitions, first: 0, held: partitions, capacity: 0, seed, chunk: 0, end: 0 };
-    // A geometry stage that may emit many points is slow even where it emits one.
-    let most = if collected(config, vpls.count) > 1 { "visibility/most-several" } else { "visibility/most-one" };
-    let mut first = true;
-    for (masked, patches) in density.patch_lists(g, around) {
-        let name = if masked { "visibility/splat-masked" } else { "visibility/splat" };
-        let pass = g.raster(name).shader("visibility/splat").part("most", most);
-        let pass = if masked { masked!(pass, around, None::<Buffer>) } else { pass };
-        let pass = pass
-            .reads("draws", around.scene.draws)
-            .reads("sizes", density.sizes)
+/// Inputs and target of the passes that draw squares.
+struct Drawing<'f> {
+    around: Surroundings<'f>,
+    vpls: &'f Vpls,
+    projection: Projection,
+    config: &'f VisibilityConfig,
+    /// The uniform block.
+    block: Buffer,
+    splats: Image,
+}
+
+impl Drawing<'_> {
+    /// Begins a pass, and binds what places a square in its map.
+    fn pass<'g>(&self, g: &'g mut Graph, name: &'static str) -> RasterPass<'g> {
+        let Self { around, vpls, projection, config, .. } = self;
+        let pass = g.raster(name);
+        let pass = match projection {
+            Projection::Paraboloid => pass,
+            Projection::Orthographic(frames) => pass.part("projection", "visibility/projection-orthographic").reads("frames", *frames),
+        };
+        pass.reads("draws", around.scene.draws)
             .reads("places", vpls.places)
-            .reads("splat", block)
-            .constant("THIN", config.ism.thin)
+            .reads("splat", self.block)
             .constant("MAP_SIZE", config.ism.map_size)
             .constant("DISTORTION", config.ism.distortion)
             .constant("CLAMP", config.ism.clamp)
-            .params(&params);
-        let pass = if first { pass.depth(splats) } else { pass.depth_over(splats) };
-        pass.draw(patches);
-        first = false;
     }
-    let made = g.count("visibility/made-points");
-    let chunks = density.upload_chunks(g, around);
-    goes_through(g.compute("visibility/points-counted"), around, chunks.chunks)
-        .reads("sizes", density.sizes)
-        .updates("made", made)
-        .constant("THIN", config.ism.thin)
-        .params(&PointsParams { end: chunks.count, ..params })
-        .dispatch_groups(rows(chunks.count));
-}
 
-/// Squares of one segment of stored points.
-fn stored(
-    g: &mut Graph,
-    around: Surroundings<'_>,
-    vpls: &Vpls,
-    config: &VisibilityConfig,
-    block: Buffer,
-    splats: Image,
-    (number, segment): (u32, FrameSegment),
-) {
-    let count = segment.records.count;
-    let arguments =
-        PointArguments { vertex_count: count, instance_count: collected(config, vpls.count), first_vertex: 0, first_instance: 0 };
-    let arguments = g.upload("visibility/splat-arguments", &[arguments]);
-    let pass = g.raster("visibility/splat-stored");
-    let pass = masked!(pass, around, None::<Buffer>)
-        .reads("triangles", segment.triangles)
-        .reads("draws", around.scene.draws)
-        .reads("positions", around.residents.triangles().positions)
-        .reads("places", vpls.places)
-        .reads("splat", block)
-        .constant("MAP_SIZE", config.ism.map_size)
-        .constant("DISTORTION", config.ism.distortion)
-        .constant("CLAMP", config.ism.clamp)
-        .params(&StoredSplatParams {
-            diagonal: around.scene.bounds().size().length(),
-            partitions: vpls.count,
-            first: turn(around.wants.seed, number, vpls.count),
-            spacing: u32::try_from((1u64 << 32) / u64::from(count)).unwrap_or(u32::MAX),
-        });
-    let pass = if number == 1 { pass.depth(splats) } else { pass.depth_over(splats) };
-    pass.draw(vec![DrawList::points(RECORD, segment.records, arguments)]);
+    /// Draws squares directly from the tessellator.
+    fn tessellated(&self, g: &mut Graph) {
+        let Self { around, vpls, config, splats, .. } = *self;
+        let density = density::of(g, around, config.ism.point_count, config.ism.thin);
+        let diagonal = around.scene.bounds().size().length();
+        let (partitions, seed) = (vpls.count, around.wants.seed);
+        let params = PointsParams { diagonal, partitions, first: 0, held: partitions, capacity: 0, seed, chunk: 0, end: 0 };
+        // A geometry stage that may emit many points is slow even where it emits one.
+        let most = if collected(config, vpls.count) > 1 { "visibility/most-several" } else { "visibility/most-one" };
+        let mut first = true;
+        for (masked, patches) in density.patch_lists(g, around) {
+            let name = if masked { "visibility/splat-masked" } else { "visibility/splat" };
+            let pass = self.pass(g, name).shader("visibility/splat").part("most", most);
+            let pass = if masked { masked!(pass, around, None::<Buffer>) } else { pass };
+            let pass = pass.reads("sizes", density.sizes).constant("THIN", config.ism.thin).params(&params);
+            let pass = if first { pass.depth(splats) } else { pass.depth_over(splats) };
+            pass.draw(patches);
+            first = false;
+        }
+        let made = g.count("visibility/made-points");
+        let chunks = density.upload_chunks(g, around);
+        goes_through(g.compute("visibility/points-counted"), around, chunks.chunks)
+            .reads("sizes", density.sizes)
+            .updates("made", made)
+            .constant("THIN", config.ism.thin)
+            .params(&PointsParams { end: chunks.count, ..params })
+            .dispatch_groups(rows(chunks.count));
+    }
+
+    /// Draws squares of one segment of stored points.
+    fn stored(&self, g: &mut Graph, number: u32, segment: FrameSegment) {
+        let Self { around, vpls, config, splats, .. } = *self;
+        let count = segment.records.count;
+        let arguments =
+            PointArguments { vertex_count: count, instance_count: collected(config, vpls.count), first_vertex: 0, first_instance: 0 };
+        let arguments = g.upload("visibility/splat-arguments", &[arguments]);
+        let pass = self.pass(g, "visibility/splat-stored");
+        let pass = masked!(pass, around, None::<Buffer>)
+            .reads("triangles", segment.triangles)
+            .reads("positions", around.residents.triangles().positions)
+            .params(&StoredSplatParams {
+                diagonal: around.scene.bounds().size().length(),
+                partitions: vpls.count,
+                first: turn(around.wants.seed, number, vpls.count),
+                spacing: u32::try_from((1u64 << 32) / u64::from(count)).unwrap_or(u32::MAX),
+            });
+        let pass = if number == 1 { pass.depth(splats) } else { pass.depth_over(splats) };
+        pass.draw(vec![DrawList::points(RECORD, segment.records, arguments)]);
+    }
 }

@@ -9,13 +9,22 @@ use crate::gpu::{BufferId, Gpu};
 use crate::graph::{Buffer, Graph};
 use crate::scene::Scene;
 use crate::shader_struct;
+use crate::stages::sky;
 use crate::world::device::DrawArguments;
 use anyhow::Result;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// Whether a config renders imperfect shadow maps, and so needs points of the scene's triangles.
 pub fn needs_triangles(config: &Config) -> bool {
-    config.visibility_methods().any(|method| method == VisibilityMethod::ImperfectShadowMaps)
+    !thinnings(config).is_empty()
+}
+
+/// Values of `thin` that a config's imperfect shadow maps draw points with: those of the sky have points of equal area.
+pub fn thinnings(config: &Config) -> BTreeSet<bool> {
+    let of_vpls = config.visibility_methods().any(|method| method == VisibilityMethod::ImperfectShadowMaps);
+    let of_sky = sky::needs_maps(config).then_some(true);
+    of_vpls.then_some(config.visibility.ism.thin).into_iter().chain(of_sky).collect()
 }
 
 shader_struct! {

@@ -46,7 +46,7 @@ fuzz_target!(|text: &str| {
                     position.is_finite() && direction.is_normalized() && intensity.is_finite() && inner <= outer && outer > 0.0
                 }
                 Light::Point { position, intensity } => position.is_finite() && intensity.is_finite(),
-                Light::Environment { radiance } => radiance.is_finite(),
+                Light::Environment { radiance, rotation, .. } => radiance.is_finite() && rotation.is_finite(),
             };
             assert!(sound, "{light:?}");
         }

@@ -1,0 +1,7 @@
+// Visibility by bits: a word for 32 directions of the pixel's sample set, layer after layer.
+uniform usampler2DArray visible;
+
+float sky_seen(uint index, uint within, Receiver r, vec3 facing, float cosine) {
+    uint word = texelFetch(visible, ivec3(r.pixel, int(within >> 5)), 0).r;
+    return float((word >> (within & 31u)) & 1u);
+}
