@@ -29,7 +29,7 @@ layout(rgba8) writeonly uniform image2D image;
 
 #include "part/occlusion=compose/occlusion-none"
 #include "part/shown=compose/shown-picture"
-#include "part/sky=sky/radiance-constant"
+#include "part/radiance=sky/radiance-constant"
 
 // Direction in which a pixel's centre looks.
 vec3 ahead(ivec2 pixel) {

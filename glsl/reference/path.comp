@@ -41,8 +41,7 @@ layout(scalar) readonly buffer Emitters { Emitter at[]; } emitters;
 layout(rgba32f) uniform image2DArray sums;
 layout(scalar) buffer Rays { uint at[]; } rays;
 
-#include "part/sky=sky/radiance-constant"
-#include "part/sky_sampling=reference/sky-met"
+#include "part/sky=reference/sky-constant"
 
 // Layers of the sums: the order of src/reference/sums.rs.
 const int RADIANCE = 0;   // alpha: number of paths that hit a surface

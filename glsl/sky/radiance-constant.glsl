@@ -1,4 +1,4 @@
-// A sky of the same radiance everywhere. Each part for "sky" defines
+// A sky of the same radiance everywhere. Each part for "radiance" defines
 //     vec3 sky_radiance(vec3 w);
 // the radiance from the direction w, of any length.
 layout(scalar) uniform SkyBlock {

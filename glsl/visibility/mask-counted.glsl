@@ -1,5 +1,5 @@
 // Points in holes are left out, and counted.
-#include "visibility/mask-lookup.glsl"
+#include "visibility/masks.glsl"
 
 layout(scalar) buffer Holes { uint count; } holes;
 

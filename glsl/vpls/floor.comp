@@ -5,7 +5,7 @@
 #extension GL_KHR_shader_subgroup_ballot : require
 // Floor of the view's importance, from 1,024 Halton texels of all maps: so much for each unit of power that about `share` of the VPLs are
 // drawn by power. Any floor over 0 is right. It says only how many VPLs go where no view sample needs them.
-#include "part/importance=vpls/importance-view"
+#include "vpls/importance-view.glsl"
 #include "lib/halton.glsl"
 
 layout(local_size_x = 64) in;
@@ -16,7 +16,7 @@ layout(scalar, push_constant) uniform Params {
     float share;
 } params;
 
-layout(scalar) writeonly buffer Floor { float it; } least;
+layout(scalar) writeonly buffer FoundFloor { float it; } found;
 
 shared vec2 sums[64];
 
@@ -41,5 +41,5 @@ void main() {
     for (uint i = 1u; i < 64u; i++) sum += sums[i];
     // Where the samples see nothing important, all VPLs are drawn by power.
     float mean = sum.y > 0.0 ? sum.x / sum.y : 0.0;
-    least.it = mean > 0.0 ? mean * params.share / (1.0 - params.share) : 1.0;
+    found.it = mean > 0.0 ? mean * params.share / (1.0 - params.share) : 1.0;
 }

@@ -5,9 +5,9 @@
 // and the last that it has accepted becomes the VPL. The first proposal counts among the STEPS, as the text has it, and not as printed.
 #include "vpls/texel.glsl"
 #include "part/points=vpls/points-halton"
-#include "part/proposed=vpls/importance-of-proposals"
+#include "part/proposed=vpls/proposed-alone"
 #include "vpls/place.glsl"
-#include "part/common_weight=vpls/weight-own"
+#include "part/weight=vpls/weight-own"
 
 layout(constant_id = 0) const uint STEPS = 1;
 // Whether a proposal is accepted with its share of the sum so far, and not with its ratio to the chain's state.

@@ -11,8 +11,9 @@ use crate::cli::ReferenceArgs;
 use crate::config::Config;
 use crate::fail;
 use crate::files::{prepare_folder, write_file};
+use crate::graph::Part;
 use crate::output::{FRAMES, frame_file};
-use crate::reference::{Settings, identity, load_sums, scene_digest};
+use crate::reference::{self, Settings, identity, load_sums, scene_digest};
 use crate::renderer::Renderer;
 use crate::report::RunReport;
 use crate::report::{PassTime, timings_csv};
@@ -175,6 +176,7 @@ fn settings(args: &ReferenceArgs, config: &Config, frame_index: u32) -> Settings
 pub(super) fn truth_identity(renderer: &mut Renderer, config: &Config, settings: Settings, digest: &str) -> Result<String> {
     renderer.ensure_sky(config)?;
     let map = config.sky_map().and_then(|(_, path)| renderer.world().skies().map(path));
+    let parts: &[Part] = if map.is_some() { &[reference::SKY_MAP] } else { &[] };
     let digest = map.map_or_else(|| digest.to_owned(), |map| format!("{digest} {}", map.digest));
-    Ok(format!("{}-{}", identity(config, settings, &digest), renderer.engine().shader_key("reference/path.comp")?.to_hex()))
+    Ok(format!("{}-{}", identity(config, settings, &digest), renderer.engine().shader_key("reference/path.comp", parts)?.to_hex()))
 }

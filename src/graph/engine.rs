@@ -2,6 +2,7 @@
 
 use super::check;
 use super::library::Library;
+use super::parts::Part;
 use super::pass::{DrawList, Pass, Work};
 use super::pipelines::PipelineKey;
 use super::plan::plan;
@@ -87,9 +88,9 @@ impl Engine {
         Self { gpu, library, pipelines: HashMap::new(), pool: Pool::default() }
     }
 
-    /// Hash of a shader's source, with the default parts in its slots, and of the compiler.
-    pub fn shader_key(&self, path: &str) -> Result<blake3::Hash> {
-        self.library.key(path, &[])
+    /// Hash of a shader's source, with these parts in its slots and default ones in the others, and of the compiler.
+    pub fn shader_key(&self, path: &str, parts: &[Part]) -> Result<blake3::Hash> {
+        self.library.key(path, parts)
     }
 
     /// Hash of all shaders' sources and of the compiler.

@@ -16,13 +16,12 @@ use crate::color::luminance;
 use crate::config::{Config, Dielectric};
 use crate::fail;
 use crate::gpu::{Format, ImageId};
-use crate::graph::{Execution, Graph};
+use crate::graph::{Execution, Graph, Part};
 use crate::output::exr::MAX_DECODED_BYTES;
 use crate::renderer::Renderer;
 use crate::scene::{Aabb, Light};
 use crate::shader_struct;
 use crate::stages::methods::{Method, NOTHING};
-use crate::stages::sky::sky_of;
 use crate::world::projection::{Projector, View};
 use crate::world::sky::Environment;
 use crate::world::view;
@@ -49,6 +48,9 @@ shader_struct! {
 
 /// Largest number of indirect bounces: more would run into a software driver's limit of loop turns.
 pub const MOST_BOUNCES: u32 = 64;
+
+/// Part of the path tracer's shader for a sky that is a map.
+pub const SKY_MAP: Part = ("sky", "reference/sky-map");
 
 /// Settings of the tracer beside the config.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -219,10 +221,10 @@ impl Tracer {
         let (size, layers) = self.sums_size();
         let sums = g.keep_image("reference/sums", self.sums, Format::Rgba32Float, size, layers);
         let sky = renderer.world().skies().import(&mut g, &self.environment);
-        let pass = sky_of(g.compute("reference/path"), &sky);
+        let pass = g.compute("reference/path").reads("sky", sky.block);
         let pass = match sky.map {
             None => pass,
-            Some(map) => pass.part("sky_sampling", "reference/sky-sampled").reads("sky_rows", map.rows),
+            Some(map) => pass.part(SKY_MAP.0, SKY_MAP.1).reads("sky_map", map.texels).reads("sky_rows", map.rows),
         };
         pass.traces(&scene)
             .shades(&scene)

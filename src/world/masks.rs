@@ -1,4 +1,4 @@
-//! Alpha masks on the device, for what looks masked surfaces up at points: `glsl/visibility/mask-lookup.glsl`. The alpha of all masked
+//! Alpha masks on the device, for what looks masked surfaces up at points: `glsl/visibility/masks.glsl`. The alpha of all masked
 //! materials' base colour maps is in one image, a byte a texel, since a pass over points of all materials cannot bind a texture for each.
 
 use super::traced::texel_map;
@@ -10,7 +10,7 @@ use crate::shader_struct;
 use anyhow::Result;
 
 shader_struct! {
-    /// Mask of a material: `glsl/visibility/mask-lookup.glsl`.
+    /// Mask of a material: `glsl/visibility/masks.glsl`.
     pub struct PointMask {
         pub matrix: [f32; 4],
         pub offset: [f32; 2],

@@ -184,7 +184,10 @@ fn every_mistake_gets_a_sentence_with_file_line_and_key() {
         ("[scene]\nfile = \"a.glb\"\nseed = 1", "x.toml:3: scene.seed: of the built-in scenes only atrium has this knob"),
         ("[scene]\nroughness = 0.1", "x.toml:2: scene.roughness: of the built-in scenes only caustics has this knob"),
         ("[scene]\ntriangles = 9000", "x.toml:2: scene.triangles: 9000 is too few for the atrium"),
-        ("[vpls]\nimportance = \"passed-flux\"", "x.toml:2: vpls.importance: only Hammersley's points are drawn by importance"),
+        ("[vpls]\nimportance = \"passed-flux\"", "x.toml:2: vpls.importance: \"passed-flux\" goes with Hammersley's points alone"),
+        ("[vpls]\nsampler = \"uniform\"\nimportance = \"view\"", "x.toml:3: vpls.importance: this sampler draws all texels alike"),
+        ("[gather]\ninterleave = [4, 3]", "x.toml:2: gather.interleave: 3 is out of range, expected 1, 2, 4, 8, or two of them"),
+        ("[gather]\ninterleave = [4]", "x.toml:2: gather.interleave: expects a whole number, or [width, height], found "),
         ("[vpls]\nreflection = \"both\"", "x.toml:2: vpls.reflection: glossy virtual point lights are summed by stochastic culling alone"),
         (
             "[gather.stochastic]\nreceiver = \"ggx\"",

@@ -79,7 +79,7 @@ fn the_schema_finds_what_is_no_rule_between_keys() {
         ("[gather]\ninterleve = 2", ".gather: additionalProperties"),
         ("[gahter]\ninterleave = 2", ": additionalProperties"),
         ("base = \"\"", ".base: minLength"),
-        ("[gather]\ninterleave = 3", ".gather.interleave: enum"),
+        ("[gather]\ninterleave = 3", ".gather.interleave: anyOf"),
         ("[gather]\nmethod = \"splat\"", ".gather.method: oneOf"),
         ("[vpls]\ncount = 1.5", ".vpls.count: type"),
         ("[vpls]\ncount = 1048577", ".vpls.count: maximum"),

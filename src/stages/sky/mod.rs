@@ -79,12 +79,12 @@ pub fn warnings(config: &Config) -> Vec<String> {
     config.has_sky().then(|| warning.to_owned()).into_iter().collect()
 }
 
-/// Binds the radiance of the sky in a pass that has `#include "part/sky=sky/radiance-constant"`.
+/// Binds the radiance of the sky in a pass that has `#include "part/radiance=sky/radiance-constant"`.
 pub fn sky_of<'g>(pass: ComputePass<'g>, sky: &FrameSky<'_>) -> ComputePass<'g> {
     let pass = pass.reads("sky", sky.block);
     match sky.map {
         None => pass,
-        Some(map) => pass.part("sky", "sky/radiance-map").reads("sky_map", map.texels),
+        Some(map) => pass.part("radiance", "sky/radiance-map").reads("sky_map", map.texels),
     }
 }
 

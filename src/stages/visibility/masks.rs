@@ -1,6 +1,6 @@
 //! Alpha masks of the passes that make points.
 
-/// Binds what `glsl/visibility/mask-lookup.glsl` reads, if the scene has masked materials. Points in holes are counted in `$holes`, if that
+/// Binds what `glsl/visibility/masks.glsl` reads, if the scene has masked materials. Points in holes are counted in `$holes`, if that
 /// is a counter.
 macro_rules! masked {
     ($pass:expr, $around:expr, $holes:expr) => {

@@ -76,26 +76,9 @@ impl TexelImportance {
 
     /// Binds what the part "importance" of a pass reads.
     pub(super) fn bind<'g>(&self, pass: ComputePass<'g>) -> ComputePass<'g> {
-        let Self::View(view) = self else { return pass.part("importance", "vpls/importance-none") };
-        let pass = pass
-            .part("importance", "vpls/importance-view")
-            .reads("view_importance", view.block)
-            .reads("view_samples", view.samples)
-            .reads("lights", view.rsm.lights)
-            .reads("rsm_depth", view.rsm.depth)
-            .reads("rsm_normal", view.rsm.normal)
-            .reads("rsm_flux", view.rsm.flux)
-            .reads("rsm_albedo", view.rsm.albedo)
-            .constant("GLOSSY_RECEIVERS", view.glossy_receivers)
-            .constant("GLOSSY_DIELECTRIC", view.glossy_dielectric)
-            .constant("DIFFUSE_VPLS", view.diffuse);
-        let pass = match view.rsm.glossy {
-            Some(glossy) => pass.part("gloss", "vpls/gloss-lobe").reads("rsm_specular", glossy.specular).reads("rsm_lobe", glossy.lobe),
-            None => pass,
-        };
-        match view.floor {
-            Some(floor) => pass.part("floor", "vpls/floor-power").reads("least", floor),
-            None => pass,
+        match self {
+            Self::Same => pass.part("importance", "vpls/importance-none"),
+            Self::View(view) => view.bind(pass.part("importance", "vpls/importance-view")),
         }
     }
 
@@ -108,6 +91,31 @@ impl TexelImportance {
             .params(&MapParams { size: rsm.size })
             .dispatch_groups([groups[0], groups[1], rsm.layers]);
         map
+    }
+}
+
+impl ViewImportance {
+    /// Binds what `glsl/vpls/importance-view.glsl` reads.
+    fn bind<'g>(&self, pass: ComputePass<'g>) -> ComputePass<'g> {
+        let pass = pass
+            .reads("view_importance", self.block)
+            .reads("view_samples", self.samples)
+            .reads("lights", self.rsm.lights)
+            .reads("rsm_depth", self.rsm.depth)
+            .reads("rsm_normal", self.rsm.normal)
+            .reads("rsm_flux", self.rsm.flux)
+            .reads("rsm_albedo", self.rsm.albedo)
+            .constant("GLOSSY_RECEIVERS", self.glossy_receivers)
+            .constant("GLOSSY_DIELECTRIC", self.glossy_dielectric)
+            .constant("DIFFUSE_VPLS", self.diffuse);
+        let pass = match self.rsm.glossy {
+            Some(glossy) => pass.part("gloss", "vpls/gloss-lobe").reads("rsm_specular", glossy.specular).reads("rsm_lobe", glossy.lobe),
+            None => pass,
+        };
+        match self.floor {
+            Some(floor) => pass.part("floor", "vpls/floor-power").reads("least", floor),
+            None => pass,
+        }
     }
 }
 
@@ -141,9 +149,8 @@ fn view(g: &mut Graph, rsm: &Rsm, gbuffer: &GBuffer, wants: &Wants, config: &Vpl
         return view;
     }
     let floor = g.buffer::<f32>("vpls/floor", 1);
-    TexelImportance::View(view)
-        .bind(g.compute("vpls/floor"))
-        .writes("least", floor)
+    view.bind(g.compute("vpls/floor"))
+        .writes("found", floor)
         .params(&FloorParams { size: rsm.size, lights: rsm.layers, share: importance.defensive })
         .dispatch_groups([1, 1, 1]);
     ViewImportance { floor: Some(floor), ..view }

@@ -58,11 +58,11 @@ impl Proposed {
             .constant("RESERVOIR", config.acceptance == Acceptance::Reservoir)
             .constant("WEIGHTS", weights);
         let pass = match self.importance {
-            Source::Proposals(proposed) => pass.part("proposed", "vpls/importance-of-proposals").reads("proposed", proposed),
-            Source::Map(map) => pass.part("proposed", "vpls/importance-of-map").reads("importance", map),
+            Source::Proposals(proposed) => pass.part("proposed", "vpls/proposed-alone").reads("proposed", proposed),
+            Source::Map(map) => pass.part("proposed", "vpls/proposed-map").reads("importance", map),
         };
         match self.maps {
-            Some(maps) => pass.part("common_weight", "vpls/weight-common").reads("maps", maps),
+            Some(maps) => pass.part("weight", "vpls/weight-common").reads("maps", maps),
             None => pass,
         }
     }

@@ -1,4 +1,6 @@
 // A sky whose directions are sampled by the luminance of its map.
+#include "sky/radiance-map.glsl"
+
 const bool SKY_SAMPLED = true;
 
 uniform sampler2D sky_rows; // running share of the light in the rows
