@@ -35,7 +35,7 @@ fn every_filter_takes_the_pattern_of_interleaving_away() {
     let (mut renderer, mut config) = lit_wall(Vec3::new(2.0, 0.0, 2.2), 40.0);
     let (truth, positions) = indirect(&mut renderer, &config);
     let on_floor = |i: usize| positions[i].y < 1e-3 && (1.0..4.0).contains(&positions[i].z);
-    for block in [[4, 4], [4, 2], [1, 4]].map(Block) {
+    for block in [[4, 4], [4, 2]].map(Block) {
         config.gather.interleave = block;
         config.filter.kind = FilterKind::None;
         let noisy = off(&indirect(&mut renderer, &config).0, &truth, &on_floor);

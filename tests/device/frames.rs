@@ -65,9 +65,10 @@ fn the_resources_of_a_known_frame_take_what_their_texels_do() {
     let maps = ["depth", "normal", "flux", "albedo"].map(|name| memory.resources[&format!("rsm/{name}")]);
     assert_eq!(maps, [4, 4, 16, 8].map(|texel| 6 * 32 * 16 * texel));
     assert_eq!((memory.stages["vpls"], memory.stages["gather"]), (100 * (16 + 12 + 4) + 4, pixels * 8));
-    // Every stage with resources has passes of its name, and imported resources do not count as the frame's.
+    // Every stage with resources has passes of its name, save the sky, whose radiance the last pass reads. Imported resources do not
+    // count as the frame's.
     let stages: Vec<&str> = memory.stages.keys().map(String::as_str).collect();
-    assert_eq!(stages, ["compose", "direct", "gather", "gbuffer", "rsm", "vpls"]);
+    assert_eq!(stages, ["compose", "direct", "gather", "gbuffer", "rsm", "sky", "vpls"]);
     assert_eq!(render(&mut renderer, &config, 0).memory, first.memory);
     finish(renderer.gpu());
 }

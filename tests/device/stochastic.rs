@@ -164,7 +164,7 @@ fn library() -> Library {
             "view.it.near, point.z);",
             format!(
                 "view.it.near, point.z);\n    vec2 moved = vec2(place_in_tile % {PLACES}u, place_in_tile / {PLACES}u) / {PLACES}.0 - 0.4999;\n    \
-                 gl_Position.xy += moved * 2.0 / vec2(tiles * INTERLEAVE) * point.z;"
+                 gl_Position.xy += moved * 2.0 / vec2(tiles * block_size()) * point.z;"
             ),
         ),
     ] {
@@ -176,20 +176,20 @@ fn library() -> Library {
 
 /// Slices of tiles that bounds cross, on near and far sides: by the geometry shader, and by the extension's shaders.
 fn slices(spheres: &[[f32; 4]], spheroids: &[Spheroid], glossy: bool) -> [Vec<u32>; 2] {
-    const INTERLEAVE: u32 = 4;
-    let size = [640, 360];
+    const BLOCK: [u32; 2] = [4, 2];
+    let size = [640u32, 360];
     let mut gpu = gpu();
     let shells = Shells::upload(&mut gpu).unwrap();
     let mut engine = Engine::new(gpu, library());
     let camera = Camera { name: String::new(), position: Vec3::ZERO, target: Vec3::Z, up: Vec3::Y, fov_y_deg: 60.0 };
     let view = View::new(&camera, size, Aabb { min: Vec3::splat(-5.0), max: Vec3::splat(5.0) });
-    let tiles = size.map(|side| side.div_ceil(INTERLEAVE).div_ceil(16));
+    let tiles = [0, 1].map(|axis| size[axis].div_ceil(BLOCK[axis]).div_ceil(16));
     let by = [Shell::Twenty, Shell::Corners].map(|shell| {
         let mut g = Graph::new();
         let view = g.upload("view", &[view]);
         let (spheres_there, spheroids_there) = (g.upload("spheres", spheres), g.upload("spheroids", spheroids));
         let marks = [0, 1].map(|i| g.zeroed::<[u32; 2]>(&format!("marks {i}"), spheres.len() as u32 * tiles[0] * tiles[1]));
-        let touched = g.image("touched", Format::R32Float, tiles.map(|side| side * INTERLEAVE));
+        let touched = g.image("touched", Format::R32Float, [0, 1].map(|axis| tiles[axis] * BLOCK[axis]));
         let places = if shell == Shell::Corners { PLACES * PLACES } else { 1 };
         let shells = shells.import(&mut g);
         let list = shells.list(&mut g, "bounds", shell, places * spheres.len() as u32, false, vec![("GLOSSY", u32::from(glossy))]);
@@ -203,7 +203,8 @@ fn slices(spheres: &[[f32; 4]], spheroids: &[Spheroid], glossy: bool) -> [Vec<u3
             .reads("spheroids", spheroids_there)
             .updates("diffuse_shells", marks[0])
             .updates("glossy_shells", marks[1])
-            .constant("INTERLEAVE", INTERLEAVE)
+            .constant("BLOCK_ACROSS", BLOCK[0])
+            .constant("BLOCK_DOWN", BLOCK[1])
             .color("touched", touched, [0.0; 4])
             .draw(vec![list]);
         let read = g.read_back(marks[usize::from(glossy)]);
