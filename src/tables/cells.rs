@@ -272,7 +272,8 @@ struct TimingRow {
 
 /// Statistics of stages and passes (`gather+filter`) summed frame by frame; or the first of them that the run lacks.
 fn sum_of_times(path: &Path, of: &str) -> Result<std::result::Result<Statistics, String>> {
-    let parts: Vec<&str> = of.split('+').collect();
+    // A part with a question mark may be missing from a frame, as long as another is there.
+    let (parts, optional): (Vec<&str>, Vec<bool>) = of.split('+').map(|part| (part.trim_end_matches('?'), part.ends_with('?'))).unzip();
     let mut seen = vec![false; parts.len()];
     let mut frames: BTreeMap<u32, f64> = BTreeMap::new();
     let damaged = || format!("{}: is damaged; remove its folder to run it again", path.display());
@@ -284,8 +285,9 @@ fn sum_of_times(path: &Path, of: &str) -> Result<std::result::Result<Statistics,
             *frames.entry(row.frame).or_default() += row.ms;
         }
     }
-    if let Some(missing) = parts.iter().zip(&seen).find_map(|(part, seen)| (!seen).then(|| (*part).to_owned())) {
-        return Ok(Err(missing));
+    let missing = |i: &usize| !seen[*i] && (!optional[*i] || !seen.contains(&true));
+    if let Some(missing) = (0..parts.len()).find(missing) {
+        return Ok(Err(parts[missing].to_owned()));
     }
     let sums: Vec<f64> = frames.into_values().collect();
     Statistics::of(&sums).map(Ok).with_context(damaged)

@@ -51,7 +51,7 @@ pub fn measure(node: &Node, path: &str, names: &Names) -> Result<Measure> {
         several => return Err(error(&node.origin, path, format_args!("measures {} at once; give one", several.join(" and ")))),
     };
     if let What::Time { of } = &what {
-        of.split('+').try_for_each(|part| check_timed(part, names.stages, &node.origin, path))?;
+        of.split('+').try_for_each(|part| check_timed(part.trim_end_matches('?'), names.stages, &node.origin, path))?;
     }
     Ok(Measure { what, origin: node.origin.clone() })
 }

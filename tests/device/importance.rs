@@ -229,7 +229,7 @@ fn the_inverse_transform_draws_texels_by_their_importance() {
     let population = Population::of(&mut renderer, &config);
     let total: f64 = population.importance.iter().sum();
     let shares: Vec<f64> = population.importance.iter().map(|f| f / total).collect();
-    assert!(shares.iter().any(|share| *share == 0.0), "some texels are not important");
+    assert!(shares.contains(&0.0), "some texels are not important");
     for (dimensions, numbers) in [(3, Numbers::Random), (2, Numbers::Random), (3, Numbers::Halton), (2, Numbers::ShiftedHalton)] {
         config.vpls.inverse_transform.dimensions = dimensions;
         config.vpls.numbers = numbers;
