@@ -161,7 +161,9 @@ impl Names {
         for (row, column) in table.places() {
             let measure = table.measure(row, column);
             let (names, known): (Vec<&str>, BTreeSet<String>) = match &measure.what {
-                What::Time { of } => (of.split('+').filter(|part| part.contains('/')).collect(), self.passes.clone()),
+                What::Time { of } => {
+                    (of.split('+').filter(|part| part.contains('/') && !part.ends_with('?')).collect(), self.passes.clone())
+                }
                 What::Count { of } => (vec![of], self.resources.iter().cloned().chain(COUNTED.map(str::to_owned)).collect()),
                 What::Memory { of } if of.contains('/') => (vec![of], self.resources.clone()),
                 What::Memory { of } if of != "frame" => (vec![of], stages(&self.resources)),
