@@ -3,14 +3,19 @@
 use crate::common::*;
 use glam::Vec3;
 use manylight::color::luminance;
-use manylight::config::{CameraConfig, CameraKeyframe, Config, Interpolation, LightConfig, LightKeyframe, Shadows, VisibilityMethod};
+use manylight::config::{
+    CameraConfig, CameraKeyframe, Config, FilterKind, Importance, Interpolation, LightConfig, LightKeyframe, Shadows, VisibilityMethod,
+    VplSampler,
+};
 use manylight::graph::Execution;
 use manylight::metrics::Intensity;
 use manylight::metrics::flicker::{Fate, Surfaces, matches};
 use manylight::output::Picture;
+use manylight::presets;
 use manylight::renderer::Renderer;
 use manylight::scene::builtin;
 use manylight::walk::{Visit, Walk, flicker_of_walk};
+use std::path::Path;
 
 const LAYERS: [Intensity; 4] = [Intensity::Radiance, Intensity::Direct, Intensity::Indirect, Intensity::Irradiance];
 
@@ -73,7 +78,7 @@ fn a_moving_camera_under_exact_visibility_sees_little_flicker_and_no_surface_for
     config.visibility.method = VisibilityMethod::RayTraced;
     config.direct.shadows = Shadows::RayTraced;
     config.gather.interleave = 1.into();
-    config.filter.kind = manylight::config::FilterKind::None;
+    config.filter.kind = FilterKind::None;
     // The bound leaves a smooth function of the surface, without peaks near VPLs.
     config.gather.min_distance = 1.0;
     let mut frames: Vec<(Surfaces, Vec<Vec3>)> = Vec::new();
@@ -155,5 +160,41 @@ fn a_walk_follows_its_path_linearly_or_smoothly_as_the_config_says() {
             assert!(seen[frame].distance(expected) < 1e-5, "{interpolation:?}, frame {frame}: {}, expected {expected}", seen[frame]);
         }
     }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn chains_flicker_far_less_than_the_inverse_transform_and_err_less_than_uniform_vpls() {
+    let Some(scene) = shared_scene("sponza_crytek.glb") else { return };
+    let (_, view) = presets::views().into_iter().find(|(name, _)| *name == "crytek-sponza-walk").unwrap();
+    let text = format!("base = \"barak-walk.toml\"\n{view}");
+    let mut config = manylight::config::parse(&text, Path::new("walk.toml"), &[]).unwrap_or_else(|error| panic!("{error:#}")).config;
+    let mut renderer = renderer(scene);
+    config.frame.size = [160, 90];
+    config.frame.count = 12;
+    // Nothing but the VPLs differs.
+    config.visibility.method = VisibilityMethod::None;
+    config.gather.interleave = 1.into();
+    config.filter.kind = FilterKind::None;
+    let mut every = config.clone();
+    (every.vpls.sampler, every.vpls.importance) = (VplSampler::EveryTexel, Importance::None);
+    every.gather.interleave = 2.into();
+    renderer.check(&every).unwrap();
+    let last = config.frame.count - 1;
+    let truth = render(&mut renderer, &every, last).picture.unwrap().irradiance;
+    let mean = truth.values.iter().map(|x| f64::from(*x)).sum::<f64>() / truth.values.len() as f64;
+    let [uniform, inverse, chains] = [VplSampler::Uniform, VplSampler::InverseTransform, VplSampler::MetropolisHastings].map(|sampler| {
+        let importance = if sampler == VplSampler::Uniform { Importance::None } else { Importance::View };
+        (config.vpls.sampler, config.vpls.importance) = (sampler, importance);
+        let mut found = None;
+        let walk = walk(&mut renderer, &config, Intensity::Irradiance, &mut |visit| found = Some(visit.picture.irradiance.values.clone()));
+        let squares = found.unwrap().iter().zip(&truth.values).map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>();
+        let error = (squares / truth.values.len() as f64).sqrt() / mean;
+        println!("{sampler:?}: flicker {:.4} of {:.4}, error {error:.3} of the mean", walk.flicker.flicker, walk.flicker.mean);
+        (walk.flicker.flicker, error)
+    });
+    // Uniform VPLs stay where they are: what is above their flicker is the sampler's own.
+    assert!(uniform.0 < chains.0 && chains.0 - uniform.0 < 0.5 * (inverse.0 - uniform.0), "{uniform:?}, {chains:?}, {inverse:?}");
+    assert!(inverse.1 < chains.1 && chains.1 < uniform.1, "{uniform:?}, {chains:?}, {inverse:?}");
     finish(renderer.gpu());
 }
