@@ -1,6 +1,7 @@
 // Importance of texels to the view (Barak et al. 2013, equations 1 and 2): the light that a texel, as a virtual point light, would have
-// the view samples reflect to the camera, without shadows. It is worked out by these instructions in this order wherever it is needed, so
-// that a map of all texels and single texels have the same bits, whatever the subgroup's size.
+// the view samples reflect to the camera, without shadows. It is worked out by these instructions in this order wherever it is needed,
+// whatever the subgroup's size, so that a map of all texels and single texels agree; in the last bit too, unless a compiler contracts what
+// `precise` does not reach.
 #include "lib/brdf.glsl"
 #include "part/gloss=vpls/gloss-none"
 #include "vpls/candidate.glsl"
@@ -38,9 +39,9 @@ float reflected(Candidate from, ViewSample to) {
     precise vec3 way = to.position - from.position;
     precise float squared = dot(way, way), leaves = max(dot(from.normal, way), 0.0), arrives = max(-dot(to.normal, way), 0.0);
     precise float intensity = DIFFUSE_VPLS ? from.brightness * leaves : 0.0;
-    precise float reflectance = to.albedo;
+    precise float reflectance = max(to.albedo, 0.0);
     if (has_gloss() && leaves > 0.0) intensity += gloss_towards(from.gloss, way * inversesqrt(max(squared, 1e-20))) * sqrt(squared);
-    if (GLOSSY_RECEIVERS && arrives > 0.0 && to.albedo > 0.0) {
+    if (GLOSSY_RECEIVERS && arrives > 0.0 && to.albedo >= 0.0) {
         vec3 light = way * -inversesqrt(max(squared, 1e-20));
         reflectance = brdf(vec3(to.albedo), to.metallic, to.roughness, GLOSSY_DIELECTRIC, to.normal, light, to.to_viewer).x * PI;
     }
@@ -56,8 +57,8 @@ vec4 importances(ivec3 a, ivec3 b, ivec3 c, ivec3 d, uvec2 size) {
     for (uint start = 0u; start < count; start += lanes) {
         uint mine = start + gl_SubgroupInvocationID;
         ViewSample fetched = view_samples.at[min(mine, count - 1u)];
-        // A sample without albedo reflects nothing, so that the last round needs no end of its own.
-        if (mine >= count) fetched.albedo = 0.0;
+        // A sample without a surface reflects nothing, so that the last round needs no end of its own.
+        if (mine >= count) fetched.albedo = -1.0;
         // A metal's diffuse albedo is 0.
         fetched.albedo *= GLOSSY_RECEIVERS ? 1.0 : 1.0 - fetched.metallic;
         for (uint lane = 0u; lane < lanes; lane++) {

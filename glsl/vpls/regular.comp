@@ -14,7 +14,8 @@ void main() {
     uvec2 at, grid;
     grid_sample(k, count, params.size, at, grid);
     // Texel at the centre of the sample's share, in whole numbers, so that every device takes the same. A seed moves the pattern by less
-    // than a share.
-    uvec2 texel = (2u * at + 1u) * params.size / (2u * grid) + uvec2(params.shift.xy * vec2(params.size) / vec2(grid));
+    // than a share; rounded once, so that all texels are as likely.
+    uvec2 texel = (2u * at + 1u) * params.size / (2u * grid);
+    if (any(greaterThan(params.shift.xy, vec2(0.0)))) texel = uvec2((vec2(at) + 0.5 + params.shift.xy) * vec2(params.size) / vec2(grid));
     put(index, ivec3(texel % params.size, layer), float(params.size.x) / float(grid.x) * (float(params.size.y) / float(grid.y)));
 }

@@ -25,7 +25,7 @@ void main() {
     vec2 u = fract(vec2(radical_inverse(index + 1u, 2u), radical_inverse(index + 1u, 3u)) + params.shift);
     ivec2 size = ivec2(view.it.width, view.it.height), pixel = min(ivec2(u * vec2(size)), size - 1);
     Receiver at = receiver(pixel);
-    ViewSample it = ViewSample(at.position, 0.0, at.normal, 0.0, vec3(0.0), 1.0);
+    ViewSample it = ViewSample(at.position, -1.0, at.normal, 0.0, vec3(0.0), 1.0);
     if (at.distance > 0.0) {
         vec2 surface = texelFetch(metallic_roughness, pixel, 0).xy;
         it.albedo = luminance(texelFetch(albedo, pixel, 0).rgb);

@@ -80,7 +80,7 @@ impl Default for InverseTransformConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MetropolisHastingsConfig {
-    /// Texels that a chain proposes, the first one included. With 1 the sampler is `"uniform"`.
+    /// Texels that a chain proposes, the first one included. With 1 the sampler is `"uniform"`, unless `weights = "none"`.
     #[schemars(range(min = 1, max = 1024))]
     pub steps: u32,
     pub weights: Weights,
@@ -102,7 +102,7 @@ pub enum Weights {
     /// few percent a pixel, unless `acceptance = "reservoir"`.
     #[default]
     Mean,
-    /// The importance of the chain's first proposal (Veach and Guibas 1997). It is unbiased and varies more.
+    /// The importance of the chain's first proposal (Veach and Guibas 1997). It is unbiased where numbers are independent, and varies more.
     Single,
     /// The mean importance of all texels, for all chains. It is biased until the chains are long. It works out the importance of all texels.
     None,
@@ -127,7 +127,7 @@ pub enum Evaluate {
     /// For the proposals alone.
     #[default]
     Proposals,
-    /// For all texels: a map that the chains look up. The VPLs are the same.
+    /// For all texels: a map that the chains look up. The VPLs are the same, but for rounding.
     Map,
 }
 

@@ -175,6 +175,7 @@ impl Gpu {
         let mut v11 = vk::PhysicalDeviceVulkan11Features::default().shader_draw_parameters(has(Feature::ShaderDrawParameters));
         let mut v12 = vk::PhysicalDeviceVulkan12Features::default()
             .scalar_block_layout(true)
+            .subgroup_broadcast_dynamic_id(has(Feature::SubgroupBallot))
             .shader_output_layer(has(Feature::LayerFromVertexShader));
         let mut v13 = vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true).maintenance4(true);
         let mut extensions = vec![khr::push_descriptor::NAME.as_ptr()];

@@ -1,4 +1,4 @@
-//! Light of the sky: virtual point lights on a sphere around the scene (Barák, Bittner and Havran 2013, section 5), taken as directions, so
+//! Light of the sky: virtual point lights on a sphere around the scene (Barák, Bittner and Havran 2013, table 1), taken as directions, so
 //! that a map has no parallax. It is direct light, in a layer with that of the other lights.
 
 mod directions;

@@ -13,7 +13,7 @@ shader_struct! {
     /// `glsl/vpls/view-sample.glsl`: a surface that the camera sees.
     pub struct ViewSample {
         pub position: [f32; 3],
-        /// Luminance of the base colour; 0 where there is no surface.
+        /// Luminance of the base colour; -1 where there is no surface.
         pub albedo: f32,
         pub normal: [f32; 3],
         pub metallic: f32,
@@ -124,7 +124,8 @@ fn view(g: &mut Graph, rsm: &Rsm, gbuffer: &GBuffer, wants: &Wants, config: &Vpl
     let importance = &config.view_importance;
     let count = importance.samples;
     let samples = g.buffer::<ViewSample>("vpls/view-samples", count);
-    let [across, down, ..] = points::shift(wants.seed);
+    // Not the axes that points are drawn along, so that samples and points are independent.
+    let [_, _, across, down] = points::shift(wants.seed);
     g.compute("vpls/view-samples")
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)

@@ -12,7 +12,7 @@ use super::gbuffer::GBuffer;
 use super::methods::{Choice, NOTHING, Needs};
 use super::rsm::Rsm;
 use super::wants::Wants;
-use crate::config::{Config, Importance, Reflection, VplSampler, VplsConfig};
+use crate::config::{Config, Evaluate, Importance, Reflection, VplSampler, VplsConfig, Weights};
 use crate::fail;
 use crate::gpu::Feature;
 use crate::graph::{Buffer, ComputePass, Graph};
@@ -56,7 +56,7 @@ shader_struct! {
 }
 
 /// VPLs, `count` elements in each buffer. Places are apart, so that visibility and culling read little (Linke 2016, section 4.3).
-/// `README.md` beside this file has the contract that every sampler keeps.
+/// `src/stages/README.md` has the contract that every sampler keeps.
 #[derive(Debug, Clone, Copy)]
 pub struct Vpls {
     pub count: u32,
@@ -121,7 +121,9 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     }
     let proposals = count * u64::from(config.vpls.metropolis_hastings.steps);
     let most = facts.adapter.limits.storage_buffer_bytes.min(u64::from(u32::MAX)) / size_of::<f32>() as u64;
-    if config.vpls.sampler == VplSampler::MetropolisHastings && proposals > most {
+    let chains = &config.vpls.metropolis_hastings;
+    let alone = chains.evaluate == Evaluate::Proposals && chains.weights != Weights::None;
+    if config.vpls.sampler == VplSampler::MetropolisHastings && alone && proposals > most {
         return Err(fail!(
             BadInput,
             "vpls.metropolis_hastings.steps: {proposals} proposals of all chains are over the {most} that {} allows; lower it or vpls.count",
