@@ -2,7 +2,7 @@
 
 use crate::config::Config;
 use crate::graph::{Graph, Image};
-use crate::stages::compose::Composed;
+use crate::stages::compose::{Composed, Light};
 use crate::stages::gather::Roulette;
 use crate::stages::gbuffer::GBuffer;
 use crate::stages::residents::Residents;
@@ -31,21 +31,17 @@ pub fn frame(g: &mut Graph, world: &World, residents: &Residents, shot: &Shot, c
     let sky = world.import_sky(g, &shot.lighting);
     let gbuffer = gbuffer::draw(g, scene, &shot.view);
     let rsm = rsm::draw(g, scene, &shot.lighting.projectors, &wants, &config.rsm);
-    let mut vpls = None;
-    let mut bounces = Vec::new();
-    if rsm.layers > 0 {
-        let sampled = vpls::sample(g, &rsm, &gbuffer, &wants, &config.vpls);
-        bounces = bounce::propagate(g, scene, sampled, &wants, &config.bounce);
-        vpls = Some(sampled);
-    }
+    let vpls = vpls::sample(g, &rsm, &gbuffer, &wants, &config.vpls);
+    let bounces = bounce::propagate(g, scene, vpls, &wants, &config.bounce);
     let around = Surroundings { scene, residents, traced: traced.as_ref(), gbuffer: &gbuffer, rsm: &rsm, wants: &wants };
     let lights = visibility::render(g, around, &bounces, &config.visibility);
     let indirect = gather::indirect(g, around, &lights, Roulette::of(config, shot.index), &config.gather);
     let indirect = filter::smooth(g, &gbuffer, indirect, &config.filter);
     let visible = ssao::occlusion(g, &gbuffer, &config.ssao);
     let sky_light = sky::light(g, around, &sky, bounces.len() as u32 + 1, config);
-    let sky_light = sky_light.map(|light| g.again(2, |g| filter::smooth(g, &gbuffer, light, &config.filter)));
+    let sky_light = filter::smooth_sky(g, &gbuffer, sky_light, &config.filter);
     let direct = direct::shade(g, around, sky_light, &config.direct);
-    let composed = compose::sum(g, &gbuffer, direct, indirect, visible, vpls.as_ref(), &sky, &config.compose);
+    let light = Light { direct, indirect, visible };
+    let composed = compose::sum(g, &gbuffer, light, vpls.as_ref(), &sky, &config.compose);
     Frame { gbuffer, irradiance: indirect.irradiance, direct, composed }
 }

@@ -166,8 +166,9 @@ pub fn warnings(config: &Config, vpls: u32) -> Vec<String> {
     warnings.into_iter().flatten().map(str::to_owned).collect()
 }
 
-/// All bounces of the config, from the VPLs of the first one.
-pub fn propagate(g: &mut Graph, scene: FrameScene<'_>, first: Vpls, wants: &Wants, config: &BounceConfig) -> Vec<Bounce> {
+/// All bounces of the config, from the VPLs of the first one; none without these.
+pub fn propagate(g: &mut Graph, scene: FrameScene<'_>, first: Option<Vpls>, wants: &Wants, config: &BounceConfig) -> Vec<Bounce> {
+    let Some(first) = first else { return Vec::new() };
     let mut bounces = vec![Bounce { vpls: first, clusters: None }];
     for next in 2..=config.count {
         let last = &mut bounces[next as usize - 2];

@@ -39,15 +39,22 @@ pub fn method() -> Method {
     Method::only("compose", "sum", NOTHING)
 }
 
-/// Sums direct, indirect and emitted radiance. The indirect part is multiplied by `visible` if there is such an image; pixels without a
-/// surface show the sky. The config may have the image show the indirect light or `vpls`, if there are any, instead.
-#[allow(clippy::too_many_arguments)]
+/// Light of the pixels, to be summed.
+#[derive(Debug, Clone, Copy)]
+pub struct Light {
+    /// Radiance of the direct light.
+    pub direct: Image,
+    pub indirect: Indirect,
+    /// Share of the indirect light that ambient occlusion leaves, from 0 to 1.
+    pub visible: Option<Image>,
+}
+
+/// Sums direct, indirect and emitted radiance; pixels without a surface show the sky. The config may have the image show the indirect light
+/// or `vpls`, if there are any, instead.
 pub fn sum(
     g: &mut Graph,
     gbuffer: &GBuffer,
-    direct: Image,
-    light: Indirect,
-    visible: Option<Image>,
+    Light { direct, indirect, visible }: Light,
     vpls: Option<&Vpls>,
     sky: &FrameSky<'_>,
     config: &ComposeConfig,
@@ -74,13 +81,13 @@ pub fn sum(
         .reads("metallic_roughness", gbuffer.metallic_roughness)
         .reads("emission", gbuffer.emission)
         .reads("direct", direct)
-        .reads("irradiance", light.irradiance)
+        .reads("irradiance", indirect.irradiance)
         // Bound to keep the layout complete; `REFLECTION` is false, so it is not read.
-        .reads("reflection", light.reflection.unwrap_or(direct))
+        .reads("reflection", indirect.reflection.unwrap_or(direct))
         .writes("indirect", composed.indirect)
         .writes("radiance", composed.radiance)
         .writes("image", composed.image)
-        .constant("REFLECTION", light.reflection.is_some())
+        .constant("REFLECTION", indirect.reflection.is_some())
         .constant("REINHARD", config.tonemap == Tonemap::Reinhard)
         .params(&SumParams { exposure: config.exposure, background: config.background })
         .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);

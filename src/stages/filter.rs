@@ -46,6 +46,11 @@ pub fn smooth(g: &mut Graph, gbuffer: &GBuffer, noisy: Indirect, config: &Filter
     Indirect { irradiance, reflection, ..noisy }
 }
 
+/// Filters the light of the sky, if there is any, as the indirect light before it.
+pub fn smooth_sky(g: &mut Graph, gbuffer: &GBuffer, noisy: Option<Indirect>, config: &FilterConfig) -> Option<Indirect> {
+    noisy.map(|noisy| g.again(2, |g| smooth(g, gbuffer, noisy, config)))
+}
+
 /// Depth- and normal-aware separable filter, along rows, then along columns (Laine et al. 2007); the part `weights` gives the falloff.
 fn separable(
     g: &mut Graph,

@@ -35,15 +35,22 @@ fn every_filter_takes_the_pattern_of_interleaving_away() {
     let (mut renderer, mut config) = lit_wall(Vec3::new(2.0, 0.0, 2.2), 40.0);
     let (truth, positions) = indirect(&mut renderer, &config);
     let on_floor = |i: usize| positions[i].y < 1e-3 && (1.0..4.0).contains(&positions[i].z);
-    for block in [[4, 4], [4, 2]].map(Block) {
+    for block in [[4, 4], [4, 2], [1, 4]].map(Block) {
         config.gather.interleave = block;
+        config.filter.radius = None;
         config.filter.kind = FilterKind::None;
         let noisy = off(&indirect(&mut renderer, &config).0, &truth, &on_floor);
         for kind in KINDS {
             config.filter.kind = kind;
             let left = off(&indirect(&mut renderer, &config).0, &truth, &on_floor);
-            println!("{block}, {kind:?}: {left:.5} of {noisy:.4} is left");
-            assert!(left < 0.02 * noisy, "{block}, {kind:?} leaves {left} of {noisy}");
+            // A filter blurs light that has no pattern, too: as much is no pattern that is left.
+            config.gather.interleave = 1.into();
+            let longest = block.0[0].max(block.0[1]);
+            config.filter.radius = Some(if kind == FilterKind::Gaussian { 2 * longest } else { longest });
+            let blur = off(&indirect(&mut renderer, &config).0, &truth, &on_floor);
+            (config.gather.interleave, config.filter.radius) = (block, None);
+            println!("{block}, {kind:?}: {left:.5} of {noisy:.4} is left, and the blur is {blur:.5}");
+            assert!(left < 0.02 * noisy + blur && blur < 0.05 * noisy, "{block}, {kind:?} leaves {left} of {noisy}, and blurs by {blur}");
         }
     }
     finish(renderer.gpu());

@@ -198,12 +198,11 @@ fn chains_end_and_weigh_as_their_exact_expectation_says() {
             };
             println!("{steps} steps, {weights:?}, {acceptance:?}: {mean:.5} +- {error:.5}, expected {expected:.5} of {truth:.5}");
             assert!((mean - expected).abs() < 4.0 * error + 1e-6, "{steps} steps, {weights:?}, {acceptance:?}: {mean} of {expected}");
-            let bias = (expected - truth).abs();
             if weights == Weights::Mean && acceptance == Acceptance::Metropolis && steps == 5 {
                 assert!((mean - truth).abs() > 5.0 * error, "the paper's weight is biased, and this one is not: {mean} of {truth}");
             }
             if weights == Weights::None && steps == 1 {
-                assert!(bias > 0.1 * truth, "a common weight is off by {bias}");
+                assert!((mean - truth).abs() > 0.1 * truth, "a common weight is biased, and this one is not: {mean} of {truth}");
             }
             if weights == Weights::Mean && acceptance == Acceptance::Metropolis {
                 let mut counts = vec![0; population.len()];
@@ -391,7 +390,7 @@ fn glossy_vpls_and_receivers_are_chosen_by_what_they_reflect() {
             let (energy, error) = mean_and_error(energies.iter().copied(), energies.len());
             println!("{reflection:?}, {sampler:?}: energy {energy:.4} +- {error:.4}");
             assert!((energy - 1.0).abs() < 3.5 * error + 2e-3, "{reflection:?}, {sampler:?}: the energy is {energy} +- {error}");
-            assert!(error < 0.05, "{reflection:?}, {sampler:?}: the standard error of the energy is {error}");
+            assert!(error < 0.012, "{reflection:?}, {sampler:?}: the standard error of the energy is {error}");
         }
         config.frame.seed = 0;
     }

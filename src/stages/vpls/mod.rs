@@ -133,8 +133,12 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     Ok(())
 }
 
-/// Samples VPLs with the config's sampler. Counts `vpls/lit`, VPLs with flux.
-pub fn sample(g: &mut Graph, rsm: &Rsm, gbuffer: &GBuffer, wants: &Wants, config: &VplsConfig) -> Vpls {
+/// Samples VPLs with the config's sampler; `None` if no light has a map. Counts `vpls/lit`, VPLs with flux.
+pub fn sample(g: &mut Graph, rsm: &Rsm, gbuffer: &GBuffer, wants: &Wants, config: &VplsConfig) -> Option<Vpls> {
+    (rsm.layers > 0).then(|| of_maps(g, rsm, gbuffer, wants, config))
+}
+
+fn of_maps(g: &mut Graph, rsm: &Rsm, gbuffer: &GBuffer, wants: &Wants, config: &VplsConfig) -> Vpls {
     use VplSampler::{EveryTexel, Hammersley, InverseTransform, MetropolisHastings, Regular, Uniform};
     let texels = Texels { rsm, diffuse: config.reflection != Reflection::Glossy };
     let params = |count, steps| TexelParams::new(rsm.size, rsm.layers, count, steps, wants);
