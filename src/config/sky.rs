@@ -21,22 +21,22 @@ pub struct SkyConfig {
 
 impl Default for SkyConfig {
     fn default() -> Self {
-        Self { count: 256, visibility: SkyVisibility::ImperfectShadowMaps, map_size: 128 }
+        Self { count: 256, visibility: SkyVisibility::RayTraced, map_size: 128 }
     }
 }
 
-/// How the environment is shadowed. A sky without shadows would light the inside of every building, so some shadows are the default; maps
-/// need no acceleration structure.
+/// How the environment is shadowed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SkyVisibility {
     /// Not at all.
     None,
-    /// By a ray for each pair of pixel and direction: exact.
+    /// By a ray for each pair of pixel and direction: exact. Scenes that move rebuild their acceleration structure in each frame.
+    #[default]
     RayTraced,
     /// By one small orthographic map of all of the scene per direction, of uniform points with equal areas, else as `[visibility.ism]`,
-    /// `visibility.bias` and `visibility.lookup` say.
-    #[default]
+    /// `visibility.bias` and `visibility.lookup` say. For objects in the open: rooms leak and courts are too dark, since a map's few points
+    /// stand for large squares.
     ImperfectShadowMaps,
 }
 
