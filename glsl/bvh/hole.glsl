@@ -12,10 +12,7 @@ layout(constant_id = 104) const bool VERTEX_COLORS = true;
 uniform usampler2D bvh_masks;
 uniform sampler2DArray texels; // texels of all textures, one after the other
 
-vec4 texel(TexelMap map, vec2 at) {
-    uint i = map.first + uint(at.y) * (map.size & 0xffffu) + uint(at.x);
-    return texelFetch(texels, ivec3(i & 4095u, (i >> 12) & 4095u, i >> 24), 0);
-}
+vec4 texel(TexelMap map, vec2 at) { return texelFetch(texels, texel_place(map, at), 0); }
 
 vec4 decoded(TexelMap map, vec2 at) {
     vec4 t = texel(map, at);
@@ -25,17 +22,10 @@ vec4 decoded(TexelMap map, vec2 at) {
 // Texture lookup with the rasterizer's coordinates, in the finest mip: sharper than the rasterizer's, and independent of the view.
 vec4 look_up_at(TexelMap map, vec2 p) {
     if (map.size == 0u) return vec4(1.0);
-    vec2 size = vec2(map.size & 0xffffu, map.size >> 16);
-    uint across = map.how & 3u, down = (map.how >> 2) & 3u;
-    p = vec2(wrapped(p.x, across), wrapped(p.y, down)) * size;
-    if ((map.how & NEAREST_TEXEL) != 0u) return decoded(map, min(floor(p), size - 1.0));
-    p -= 0.5;
-    vec2 low = floor(p), part = p - low;
-    vec2 a = vec2(neighbour(low.x, size.x, across), neighbour(low.y, size.y, down));
-    vec2 b = vec2(neighbour(low.x + 1.0, size.x, across), neighbour(low.y + 1.0, size.y, down));
-    vec4 above = mix(decoded(map, a), decoded(map, vec2(b.x, a.y)), part.x);
-    vec4 below = mix(decoded(map, vec2(a.x, b.y)), decoded(map, b), part.x);
-    return mix(above, below, part.y);
+    TexelQuad q = texels_at(map, p);
+    vec4 above = mix(decoded(map, q.first), decoded(map, vec2(q.last.x, q.first.y)), q.part.x);
+    vec4 below = mix(decoded(map, vec2(q.first.x, q.last.y)), decoded(map, q.last), q.part.x);
+    return mix(above, below, q.part.y);
 }
 
 bool is_hole(uint mask, vec2 barycentric) {

@@ -4,7 +4,7 @@
 //     Gloss no_gloss();
 //     Gloss gloss_of(ivec3 texel, vec3 position);
 //     float gloss_towards(Gloss gloss, vec3 way); // luminance of radiant intensity in a direction, W/sr
-//     float gloss_power(Gloss gloss);             // a like luminance, which is 0 only where all of it is
+//     float gloss_power(Gloss gloss);             // its scale over all directions, W/sr; 0 only without a lobe
 struct Gloss { float none; };
 
 bool has_gloss() { return false; }

@@ -48,8 +48,9 @@ pub struct ViewImportanceConfig {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0, max = 1_000_000), extend("x-default" = "`gather.min_distance`"))]
     pub min_distance: Option<f32>,
-    /// Share of the VPLs that is drawn by power, seen or not, about. Without it, texels that matter to no view sample but to pixels between
-    /// them give few VPLs that are far too bright, and light from texels of no importance is lost. 0.1 is good advice; the paper has 0.
+    /// Approximate share of the VPLs that are drawn by power, whether a view sample needs them or not. Without it, light of texels that no
+    /// view sample needs is lost, and texels that matter only to pixels between the samples become few VPLs that are far too bright. 0.1 is a
+    /// good value; the paper has 0.
     #[schemars(range(min = 0, max = 0.99))]
     pub defensive: f32,
 }
@@ -135,7 +136,7 @@ pub enum Evaluate {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Numbers {
-    /// Halton points, as in the paper. A seed goes on where another ends. Steps of a chain hang together a little.
+    /// Halton points, as in the paper. A seed goes on where another ends. A chain's steps are correlated.
     #[default]
     Halton,
     /// Halton points, rotated anew for each step of the chains, so that steps are independent.

@@ -2,20 +2,12 @@
 
 use crate::common::*;
 use crate::make::Make;
-use manylight::config::{Collect, Config, FrameConfig, IsmRenderer, PointSet, VisibilityMethod};
+use crate::points::WAYS;
+use manylight::config::{Config, FrameConfig, VisibilityMethod};
 use manylight::renderer::Renderer;
 use manylight::scene::Scene;
 use serde_json::{Value, json};
 use std::f32::consts::FRAC_1_SQRT_2 as H;
-
-const WAYS: [(Collect, PointSet, IsmRenderer); 6] = [
-    (Collect::Compute, PointSet::Uniform, IsmRenderer::SinglePixel),
-    (Collect::Tessellation, PointSet::Uniform, IsmRenderer::SinglePixel),
-    (Collect::Stored, PointSet::Uniform, IsmRenderer::SinglePixel),
-    (Collect::Compute, PointSet::Adaptive, IsmRenderer::SinglePixel),
-    (Collect::Tessellation, PointSet::Uniform, IsmRenderer::Splat),
-    (Collect::Stored, PointSet::Uniform, IsmRenderer::Splat),
-];
 
 /// A room of four metres, and two crossed plates in it on a node of this scale.
 fn nodes(scale: f32) -> Value {

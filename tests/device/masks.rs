@@ -1,9 +1,9 @@
 //! Points of imperfect shadow maps on surfaces with alpha masks.
 
 use crate::common::*;
-use crate::points::{config as config_of_points, points_of, points_rendered};
+use crate::points::{WAYS, config as config_of_points, points_of, points_rendered};
 use glam::{Affine3A, Vec2, Vec3};
-use manylight::config::{Collect, Config, FrameConfig, IsmRenderer, PointSet, VisibilityMethod};
+use manylight::config::{Collect, Config, FrameConfig, VisibilityMethod};
 use manylight::scene::builder::Mesh;
 use manylight::scene::{Filter, Map, Material, Scene, Texture};
 use std::collections::BTreeMap;
@@ -63,15 +63,6 @@ fn hall(holes: Holes, triangles: u32) -> Scene {
     scene.add_mesh(&mesh, material, &[Affine3A::IDENTITY]);
     scene
 }
-
-const WAYS: [(Collect, PointSet, IsmRenderer); 6] = [
-    (Collect::Compute, PointSet::Uniform, IsmRenderer::SinglePixel),
-    (Collect::Tessellation, PointSet::Uniform, IsmRenderer::SinglePixel),
-    (Collect::Stored, PointSet::Uniform, IsmRenderer::SinglePixel),
-    (Collect::Compute, PointSet::Adaptive, IsmRenderer::SinglePixel),
-    (Collect::Tessellation, PointSet::Uniform, IsmRenderer::Splat),
-    (Collect::Stored, PointSet::Uniform, IsmRenderer::Splat),
-];
 
 const POINTS: u32 = 320_000;
 

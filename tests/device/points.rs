@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use glam::{Vec2, Vec3};
-use manylight::config::{Builtin, Collect, Config, PointSet, SceneConfig, VisibilityMethod};
+use manylight::config::{Builtin, Collect, Config, IsmRenderer, PointSet, SceneConfig, VisibilityMethod};
 use manylight::renderer::{Rendered, Renderer};
 use manylight::scene::Scene;
 use manylight::scene::pack::octahedral_inverse;
@@ -34,6 +34,16 @@ impl Point {
         self.normal().distance(other.normal()) < 0.01 && (radii[0] - radii[1]).abs() <= 1 && self.packed >> 31 == other.packed >> 31
     }
 }
+
+/// All ways to the points of imperfect shadow maps.
+pub const WAYS: [(Collect, PointSet, IsmRenderer); 6] = [
+    (Collect::Compute, PointSet::Uniform, IsmRenderer::SinglePixel),
+    (Collect::Tessellation, PointSet::Uniform, IsmRenderer::SinglePixel),
+    (Collect::Stored, PointSet::Uniform, IsmRenderer::SinglePixel),
+    (Collect::Compute, PointSet::Adaptive, IsmRenderer::SinglePixel),
+    (Collect::Tessellation, PointSet::Uniform, IsmRenderer::Splat),
+    (Collect::Stored, PointSet::Uniform, IsmRenderer::Splat),
+];
 
 pub fn config(points: u32) -> Config {
     let mut config = plain([64, 36], Vec3::new(0.1, 1.0, 0.2), Vec3::new(0.3, 0.9, -1.0), 60.0, directional(Vec3::NEG_Y, [1.0; 3]));
