@@ -30,7 +30,7 @@ void main() {
 
     uint set = number_of(sample_set());
     uint stride = 1u + (params.count + PARTS - 1u) / PARTS;
-    uint lanes = min(gl_SubgroupSize, 32u);
+    Lanes lanes = lanes_of_subgroup();
     uvec4 left = mine_rows;
     while (true) {
         uint least = min(min(left.x, left.y), min(left.z, left.w));
@@ -42,15 +42,16 @@ void main() {
         for (uint part = set; part < PARTS; part += SETS) {
             uint begin = (row * PARTS + part) * stride;
             uint count = lists.at[begin];
-            for (uint start = 0u; start < count; start += lanes) {
-                bool there = start + gl_SubgroupInvocationID < count;
-                uint index = lists.at[begin + 1u + min(start + gl_SubgroupInvocationID, count - 1u)];
+            for (uint start = 0u; start < count; start += lanes.count) {
+                bool there = start + lanes.mine < count;
+                uint index = lists.at[begin + 1u + min(start + lanes.mine, count - 1u)];
                 Vpl mine = vpl(index, there);
-                uint listed = min(lanes, count - start);
-                for (uint lane = 0u; lane < listed; lane += 2u) {
-                    for (uint i = 0u; i < 2u; i++) {
-                        vec4 visible = inside * vec4(seen(pixel, subgroupBroadcast(index, lane + i) / SETS) & 1u);
-                        shade(pixels, hand_round(mine, lane + i), visible);
+                uint listed = min(lanes.count, count - start);
+                for (uint i = 0u; i < listed; i += 2u) {
+                    for (uint k = i; k < i + 2u; k++) {
+                        uint lane = lane_at(lanes, k);
+                        vec4 visible = inside * float(k < lanes.count) * vec4(seen(pixel, subgroupBroadcast(index, lane) / SETS) & 1u);
+                        shade(pixels, hand_round(mine, lane), visible);
                     }
                 }
             }

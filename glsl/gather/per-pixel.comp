@@ -14,16 +14,16 @@ void main() {
     uint count = first < params.count ? (params.count - first + SETS - 1u) / SETS : 0u;
     // Each lane of a subgroup fetches and unpacks one VPL and broadcasts it. All lanes sum all VPLs in the same order, whatever the
     // subgroup's size.
-    uint lanes = min(gl_SubgroupSize, 32u);
-    for (uint start = 0u; start < count; start += lanes) {
-        Vpl mine = vpl(first + min(start + gl_SubgroupInvocationID, count - 1u) * SETS, start + gl_SubgroupInvocationID < count);
-        uvec4 see = seen(pixel, start);
+    Lanes lanes = lanes_of_subgroup();
+    for (uint start = 0u; start < count; start += lanes.count) {
+        Vpl mine = vpl(first + min(start + lanes.mine, count - 1u) * SETS, start + lanes.mine < count);
+        uvec4 see = seen(pixel, start) & bits_of(lanes);
         // Unrolled by four: llvmpipe ends all loops of an invocation together after 65,535 turns.
-        for (uint lane = 0u; lane < lanes; lane += 4u) {
-            shade_by(pixels, mine, lane, see);
-            shade_by(pixels, mine, lane + 1u, see);
-            shade_by(pixels, mine, lane + 2u, see);
-            shade_by(pixels, mine, lane + 3u, see);
+        for (uint i = 0u; i < lanes.count; i += 4u) {
+            shade_by(pixels, mine, lanes, i, see);
+            shade_by(pixels, mine, lanes, i + 1u, see);
+            shade_by(pixels, mine, lanes, i + 2u, see);
+            shade_by(pixels, mine, lanes, i + 3u, see);
         }
     }
     store(pixels);

@@ -6,6 +6,7 @@
 #include "lib/disk.glsl"
 #include "lib/interleave.glsl"
 #include "lib/packing.glsl"
+#include "lib/subgroup.glsl"
 #include "lib/vpl.glsl"
 
 layout(local_size_x = 8, local_size_y = 4) in;
@@ -77,8 +78,10 @@ void shade(inout Quad q, Vpl vpl, vec4 visible) {
     shade(q.d, vpl, visible.w);
 }
 
-// Sums the VPL of lane `lane` at the pixels whose words have bit `lane`.
-void shade_by(inout Quad q, Vpl mine, uint lane, uvec4 see) { shade(q, hand_round(mine, lane), vec4((see >> lane) & 1u)); }
+// Sums the VPL of the row's place `i` at the pixels whose words have bit `i`.
+void shade_by(inout Quad q, Vpl mine, Lanes lanes, uint i, uvec4 see) {
+    shade(q, hand_round(mine, lane_at(lanes, i)), vec4((see >> i) & 1u));
+}
 
 // Neighbouring workgroups process the sample sets of the same block of pixels.
 uvec2 sample_set() { return gl_WorkGroupID.xy % block_size(); }

@@ -30,22 +30,23 @@ void main() {
 
     uint first = number_of(sample_set());
     uint count = first < params.count ? (params.count - first + SETS - 1u) / SETS : 0u;
-    uint lanes = min(gl_SubgroupSize, 32u);
-    for (uint start = 0u; start < count; start += lanes) {
-        bool there = start + gl_SubgroupInvocationID < count && gl_SubgroupInvocationID < lanes;
-        Vpl mine = vpl(first + min(start + gl_SubgroupInvocationID, count - 1u) * SETS, there);
-        uint list = subgroupBallot(there && any(greaterThan(mine.intensity, vec3(0.0))) && is_lit(tile, mine.position, mine.facing)).x;
+    Lanes lanes = lanes_of_subgroup();
+    for (uint start = 0u; start < count; start += lanes.count) {
+        bool there = start + lanes.mine < count && lanes.mine < lanes.count;
+        Vpl mine = vpl(first + min(start + lanes.mine, count - 1u) * SETS, there);
+        bool listed = there && any(greaterThan(mine.intensity, vec3(0.0))) && is_lit(tile, mine.position, mine.facing);
+        uint list = ballot_from(subgroupBallot(listed), lanes.first);
         uvec4 all_seen = seen(pixel, start);
         // Unrolled by two: llvmpipe ends all loops of an invocation together after 65,535 turns.
         while (list != 0u) {
-            uint lane = uint(findLSB(list));
+            uint i = uint(findLSB(list));
             list &= list - 1u;
             uvec4 see = all_seen;
-            shade_by(pixels, mine, lane, see);
+            shade_by(pixels, mine, lanes, i, see);
             see = list != 0u ? all_seen : uvec4(0u);
-            lane = list != 0u ? uint(findLSB(list)) : lane;
+            i = list != 0u ? uint(findLSB(list)) : i;
             list &= list - 1u;
-            shade_by(pixels, mine, lane, see);
+            shade_by(pixels, mine, lanes, i, see);
         }
     }
     store(pixels);

@@ -1,6 +1,7 @@
 #ifndef COLOR_GLSL
 #define COLOR_GLSL
 // Transfer curves between radiance and screen.
+#include "lib/exact.glsl"
 
 // Largest 16-bit float; brighter values are stored as this, not as infinity.
 const float LARGEST_HALF = 65504.0;
@@ -14,7 +15,7 @@ vec3 srgb_to_linear(vec3 c) {
     return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), greaterThan(c, vec3(0.04045)));
 }
 
-float luminance(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
+EXACT float luminance(vec3 c) { return exact_dot(c, vec3(0.2126, 0.7152, 0.0722)); }
 
 // Reinhard's operator on luminance, which keeps hues.
 vec3 reinhard(vec3 c) { return c / (1.0 + luminance(c)); }

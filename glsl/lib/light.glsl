@@ -2,6 +2,7 @@
 #define LIGHT_GLSL
 // A layer of the reflective shadow map: a light, or one face of a point light, with its projection. The host's type is `Projector` of
 // src/world/projection.rs.
+#include "lib/exact.glsl"
 struct Light {
     mat4 world_to_clip;
     vec3 origin;    // the light's position, or the centre of a directional light's near plane
@@ -41,7 +42,7 @@ float spot_falloff(Light light, float cosine) {
 }
 
 // World position of a point of the map, given by ndc in [-1, 1] with y down, and a depth that is not 0.
-vec3 light_position(Light light, vec2 ndc, float depth) {
+EXACT vec3 light_position(Light light, vec2 ndc, float depth) {
     vec3 offset = ndc.x * light.right - ndc.y * light.up;
     if (light.kind == DIRECTIONAL) return light.origin + offset + light.direction * (light.near * (1.0 - depth));
     return light.origin + (light.direction + offset) * (light.near / depth);

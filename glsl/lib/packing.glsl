@@ -1,6 +1,7 @@
 #ifndef PACKING_GLSL
 #define PACKING_GLSL
 // Octahedral mapping of unit vectors (Cigolle et al. 2014), and the packings of src/scene/pack.rs.
+#include "lib/exact.glsl"
 
 vec2 sign_not_zero(vec2 v) { return vec2(v.x >= 0.0 ? 1.0 : -1.0, v.y >= 0.0 ? 1.0 : -1.0); }
 
@@ -11,7 +12,7 @@ vec2 octahedral(vec3 v) {
 }
 
 // [-1, 1]^2 to the unit vector.
-vec3 octahedral_inverse(vec2 p) {
+EXACT vec3 octahedral_inverse(vec2 p) {
     float z = 1.0 - abs(p.x) - abs(p.y);
     vec2 xy = z >= 0.0 ? p : (1.0 - abs(p.yx)) * sign_not_zero(p);
     return normalize(vec3(xy, z));

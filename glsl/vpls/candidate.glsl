@@ -11,7 +11,7 @@ struct Candidate {
     Gloss gloss;
 };
 
-Candidate candidate(ivec3 at, uvec2 size) {
+EXACT Candidate candidate(ivec3 at, uvec2 size) {
     float depth = texelFetch(rsm_depth, at, 0).r;
     if (depth == 0.0) return Candidate(vec3(0.0), vec3(0.0, 0.0, 1.0), 0.0, no_gloss());
     vec2 ndc = (vec2(at.xy) + 0.5) / vec2(size) * 2.0 - 1.0;

@@ -19,7 +19,7 @@ bool has_gloss() { return true; }
 
 Gloss no_gloss() { return Gloss(vec3(0.0, 0.0, 1.0), 0.0, vec3(0.0, 0.0, 1.0), 0.0, vec2(0.0)); }
 
-Gloss gloss_of(ivec3 texel, vec3 position) {
+EXACT Gloss gloss_of(ivec3 texel, vec3 position) {
     vec4 specular = texelFetch(rsm_specular, texel, 0);
     if (specular.a <= 0.0) return no_gloss();
     vec4 shape = texelFetch(rsm_lobe, texel, 0);
@@ -29,9 +29,9 @@ Gloss gloss_of(ivec3 texel, vec3 position) {
                  vec2(luminance(specular.rgb), specular.a));
 }
 
-float gloss_towards(Gloss gloss, vec3 way) {
+EXACT float gloss_towards(Gloss gloss, vec3 way) {
     if (gloss.flux <= 0.0) return 0.0;
     return lobe_intensity(vec3(gloss.flux), vec3(gloss.fresnel.x), gloss.fresnel.y, gloss.alpha, gloss.normal, gloss.incoming, way).x;
 }
 
-float gloss_power(Gloss gloss) { return gloss.flux * max(gloss.fresnel.x, gloss.fresnel.y) / PI; }
+EXACT float gloss_power(Gloss gloss) { return gloss.flux * max(gloss.fresnel.x, gloss.fresnel.y) / PI; }

@@ -34,7 +34,8 @@ pub struct Shader {
     /// Path below the shader folder, for messages.
     pub name: String,
     pub stage: ShaderStage,
-    pub(super) words: Vec<u32>,
+    /// SPIR-V.
+    pub words: Vec<u32>,
     pub bindings: Vec<Binding>,
     /// Push-constant block.
     pub push_constants: Option<Block>,

@@ -6,6 +6,8 @@
 
 mod check;
 mod engine;
+#[cfg(test)]
+mod exact;
 mod library;
 mod memory;
 mod parts;

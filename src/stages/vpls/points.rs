@@ -73,6 +73,34 @@ mod tests {
         assert_eq!(bases(2 * 3 * 5 * 7, 16), [11, 13, 17, 19]);
     }
 
+    /// `glsl/lib/halton.glsl`.
+    fn radical_inverse(mut k: u32, base: u32) -> f64 {
+        let (mut reversed, mut scale) = (0.0, 1.0);
+        while k > 0 {
+            (reversed, scale) = (reversed * f64::from(base) + f64::from(k % base), scale * f64::from(base));
+            k /= base;
+        }
+        reversed / scale
+    }
+
+    #[test]
+    fn most_chains_propose_several_lights_and_columns_whatever_their_number() {
+        const STEPS: u32 = 5;
+        for chains in [256, 512, 729, 1000, 1024] {
+            let bases = bases(chains, 8);
+            // Whole numbers of light, column and row, and tenths of the number that accepts.
+            let scales = [6.0, 256.0, 256.0, 10.0];
+            let proposes_several = |chain: &u32| {
+                let proposals = |axis: usize| -> std::collections::BTreeSet<u32> {
+                    (0..STEPS).map(|step| (radical_inverse(chain + step * chains + 1, bases[axis]) * scales[axis]) as u32).collect()
+                };
+                (0..4).all(|axis| proposals(axis).len() >= 2)
+            };
+            let several = (0..chains).filter(proposes_several).count();
+            assert!(several * 2 > chains as usize, "{several} of {chains} chains propose several, in bases {bases:?}");
+        }
+    }
+
     #[test]
     fn seeds_rotate_points_evenly_and_seed_0_leaves_them() {
         assert_eq!(shift(0), [0.0; 4]);
