@@ -78,7 +78,7 @@ void shade(inout Quad q, Vpl vpl, vec4 visible) {
     shade(q.d, vpl, visible.w);
 }
 
-// Sums the VPL of the row's place `i` at the pixels whose words have bit `i`.
+// Sums the VPL that the lane at place `i` has fetched, at the pixels whose words have bit `i`.
 void shade_by(inout Quad q, Vpl mine, Lanes lanes, uint i, uvec4 see) {
     shade(q, hand_round(mine, lane_at(lanes, i)), vec4((see >> i) & 1u));
 }

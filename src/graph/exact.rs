@@ -1,4 +1,4 @@
-//! Shaders whose bits agree with other shaders': no operation of theirs may be contracted.
+//! Contraction: what several shaders work out to the same bits has no operation that a compiler may contract in one of them alone.
 
 use super::{Library, Variant};
 use std::collections::{BTreeMap, BTreeSet};

@@ -127,6 +127,21 @@ pub fn dumped<'r>(rendered: &'r Rendered, resource: &str) -> &'r [u8] {
     }
 }
 
+/// Elements of a dumped resource.
+pub fn pod<T: bytemuck::Pod>(rendered: &Rendered, resource: &str) -> Vec<T> {
+    bytemuck::pod_collect_to_vec(dumped(rendered, resource))
+}
+
+/// Pseudorandom numbers in [0, 1), the same in every run.
+pub fn random_numbers(count: usize) -> Vec<[f32; 4]> {
+    let mut state = 0x853c_49e6_748f_ea9b_u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f32 / (1u64 << 24) as f32
+    };
+    (0..count).map(|_| std::array::from_fn(|_| next())).collect()
+}
+
 /// Bytes as 32-bit numbers.
 pub fn words(bytes: &[u8]) -> impl Iterator<Item = u32> {
     bytes.chunks_exact(4).map(|word| u32::from_ne_bytes([word[0], word[1], word[2], word[3]]))

@@ -638,16 +638,6 @@ fn what_a_disk_on_the_floor_sends_out_all_arrives_even_where_a_wall_cuts_it() {
     }
 }
 
-/// Pseudorandom numbers in [0, 1), the same in every run.
-pub fn random_numbers(count: usize) -> Vec<[f32; 4]> {
-    let mut state = 0x853c_49e6_748f_ea9b_u64;
-    let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f32 / (1u64 << 24) as f32
-    };
-    (0..count).map(|_| std::array::from_fn(|_| next())).collect()
-}
-
 #[test]
 fn spheroids_contain_where_ggx_lobes_may_shine_and_touch_it() {
     // One lobe per case: alpha, incidence and reflectance; 48 directions of it, most around its peak. The end of the lobe's

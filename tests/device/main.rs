@@ -25,6 +25,7 @@ mod make;
 mod masks;
 mod memory;
 mod points;
+mod population;
 mod reference;
 mod repeat;
 mod sampling;

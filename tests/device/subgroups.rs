@@ -1,7 +1,6 @@
 //! Lanes of a subgroup that fetch for one another, in subgroups that are full and in those that are not.
 
 use crate::common::*;
-use crate::functions::random_numbers;
 use manylight::graph::{Engine, Execution, Graph, Library};
 use std::collections::BTreeMap;
 
@@ -36,16 +35,16 @@ void main() {
 }
 ";
 
-/// Rows of ballots: first lane and length.
-const ROWS: &str = "layout(local_size_x = 1) in;
+/// The lanes that fetch, of ballots: the first, their number, and the place of lane 100.
+const OF_BALLOTS: &str = "layout(local_size_x = 1) in;
 layout(scalar) readonly buffer Ballots { uint at[]; } ballots;
-layout(scalar) writeonly buffer Rows { uint at[]; } rows;
+layout(scalar) writeonly buffer Found { uint at[]; } found;
 void main() {
     uint me = gl_GlobalInvocationID.x;
-    Lanes lanes = row_of(uvec4(ballots.at[4u * me], ballots.at[4u * me + 1u], ballots.at[4u * me + 2u], ballots.at[4u * me + 3u]), 100u);
-    rows.at[3u * me] = lanes.first;
-    rows.at[3u * me + 1u] = lanes.count;
-    rows.at[3u * me + 2u] = lanes.mine;
+    Lanes lanes = lanes_of(uvec4(ballots.at[4u * me], ballots.at[4u * me + 1u], ballots.at[4u * me + 2u], ballots.at[4u * me + 3u]), 100u);
+    found.at[3u * me] = lanes.first;
+    found.at[3u * me + 1u] = lanes.count;
+    found.at[3u * me + 2u] = lanes.mine;
 }
 ";
 
@@ -77,17 +76,17 @@ fn lanes_share_what_they_fetch_in_full_subgroups_and_in_others() {
         let body = SUMS.replace("ACROSS", &across.to_string()).replace("DOWN", &down.to_string());
         for found in run(&body, ["numbers", "sums"], &bits, across * down, 1) {
             let [all, listed, lanes] = found;
-            let what = format!("{across} x {down} invocations, rows of {lanes}");
+            let what = format!("{across} x {down} invocations, {lanes} lanes fetch");
             assert_eq!([all, listed].map(f32::from_bits), [sum(-1.0), sum(0.5)], "{what}");
             assert!(lanes.is_power_of_two() && lanes <= across * down, "{what}");
-            // A row of less than a whole subgroup's lanes would be slow, and not wrong.
+            // Fewer would be slow, and not wrong.
             assert!(lanes >= 4 || (across * down) % 4 > 0, "{what}");
         }
     }
 }
 
 #[test]
-fn a_row_is_the_first_lanes_that_run_side_by_side() {
+fn the_first_active_lanes_side_by_side_fetch() {
     let cases = [
         ([0xff, 0, 0, 0], [0, 8]),
         ([!0, 0, 0, 0], [0, 32]),
@@ -102,8 +101,8 @@ fn a_row_is_the_first_lanes_that_run_side_by_side() {
         ([0b1011_0000, 0, 0, 0], [4, 2]),
     ];
     let ballots: Vec<u32> = cases.iter().flat_map(|(ballot, _)| *ballot).collect();
-    let found = run(ROWS, ["ballots", "rows"], &ballots, cases.len() as u32, cases.len() as u32);
-    for ((ballot, [first, count]), row) in cases.iter().zip(found) {
-        assert_eq!(row, [*first, *count, 100u32.wrapping_sub(*first)], "{ballot:x?}");
+    let found = run(OF_BALLOTS, ["ballots", "found"], &ballots, cases.len() as u32, cases.len() as u32);
+    for ((ballot, [first, count]), lanes) in cases.iter().zip(found) {
+        assert_eq!(lanes, [*first, *count, 100u32.wrapping_sub(*first)], "{ballot:x?}");
     }
 }

@@ -31,10 +31,6 @@ fn room_with_dark_parts() -> (Renderer, Config) {
     (renderer, config)
 }
 
-fn pod<T: bytemuck::Pod>(rendered: &Rendered, resource: &str) -> Vec<T> {
-    bytemuck::pod_collect_to_vec(dumped(rendered, resource))
-}
-
 #[test]
 fn vpls_of_every_sampler_keep_the_contract() {
     let (mut renderer, mut config) = room_with_dark_parts();
