@@ -274,11 +274,21 @@ impl<'g> Commands<'g> {
         self.copy_buffer(from, 0, to, 0, self.gpu.memory.buffer(to).bytes.min(self.gpu.memory.buffer(from).bytes));
     }
 
-    pub(super) fn copy_buffer_to_image(&mut self, from: BufferId, to: ImageId, layer: u32) {
+    /// Copies a layer's mips, the largest first, tightly packed.
+    pub(super) fn copy_buffer_to_mips(&mut self, from: BufferId, to: ImageId, layer: u32) {
         let slot = self.gpu.memory.image(to);
-        let regions = [image_region(slot.desc.format.aspect(), layer, 1, slot.desc.width, slot.desc.height)];
-        let from = self.gpu.memory.buffer(from).handle;
-        unsafe { self.gpu.device.cmd_copy_buffer_to_image(self.buffer, from, slot.handle, vk::ImageLayout::GENERAL, &regions) };
+        let (from, desc) = (self.gpu.memory.buffer(from), slot.desc);
+        let mut offset = 0;
+        let regions: Vec<vk::BufferImageCopy> = (0..desc.mips)
+            .map(|mip| {
+                let [width, height] = [desc.width, desc.height].map(|side| (side >> mip).max(1));
+                let region = image_region(desc.format.aspect(), layer, 1, width, height).buffer_offset(offset);
+                offset += u64::from(width) * u64::from(height) * desc.format.texel_bytes() as u64;
+                region.image_subresource(region.image_subresource.mip_level(mip))
+            })
+            .collect();
+        assert_eq!(offset, from.bytes, "texels of {}x{} with {} mips", desc.width, desc.height, desc.mips);
+        unsafe { self.gpu.device.cmd_copy_buffer_to_image(self.buffer, from.handle, slot.handle, vk::ImageLayout::GENERAL, &regions) };
     }
 
     /// Copies `rows` rows into a layer, from row `first` on.
@@ -306,23 +316,6 @@ impl<'g> Commands<'g> {
     /// Fills a whole buffer with zeros.
     pub fn fill_zeros(&mut self, buffer: BufferId) {
         unsafe { self.gpu.device.cmd_fill_buffer(self.buffer, self.gpu.memory.buffer(buffer).handle, 0, vk::WHOLE_SIZE, 0) };
-    }
-
-    /// Downsamples the mip before `mip` into it, bilinearly, for all layers.
-    pub(super) fn halve_into_mip(&mut self, image: ImageId, mip: u32) {
-        let slot = self.gpu.memory.image(image);
-        let corner =
-            |mip: u32| vk::Offset3D { x: (slot.desc.width >> mip).max(1) as i32, y: (slot.desc.height >> mip).max(1) as i32, z: 1 };
-        let level =
-            |mip| vk::ImageSubresourceLayers::default().aspect_mask(slot.desc.format.aspect()).mip_level(mip).layer_count(slot.desc.layers);
-        let regions = [vk::ImageBlit {
-            src_subresource: level(mip - 1),
-            src_offsets: [vk::Offset3D::default(), corner(mip - 1)],
-            dst_subresource: level(mip),
-            dst_offsets: [vk::Offset3D::default(), corner(mip)],
-        }];
-        let layout = vk::ImageLayout::GENERAL;
-        unsafe { self.gpu.device.cmd_blit_image(self.buffer, slot.handle, layout, slot.handle, layout, &regions, vk::Filter::LINEAR) };
     }
 }
 

@@ -3,7 +3,6 @@
 use super::device::Gpu;
 use super::format::Format;
 use super::memory::{BufferId, ImageDesc, ImageId};
-use super::types::{Accesses, Barrier, Stages};
 use anyhow::{Context, Result};
 
 impl Gpu {
@@ -48,28 +47,33 @@ impl Gpu {
         Ok(id)
     }
 
-    /// Creates a sampled image array with all mips, one RGBA8 image a layer, all of the same size.
-    pub fn create_texture_array(&mut self, name: &str, format: Format, size: [u32; 2], layers: &[&[u8]]) -> Result<ImageId> {
+    /// Creates a sampled image array with all mips: one RGBA8 image a layer, all of the same size, its mips packed behind it, the largest
+    /// first.
+    pub fn create_texture_array(
+        &mut self,
+        name: &str,
+        format: Format,
+        size: [u32; 2],
+        layers: impl ExactSizeIterator<Item = Vec<u8>>,
+    ) -> Result<ImageId> {
         let [width, height] = size;
         let mips = width.max(height).ilog2() + 1;
         let desc = ImageDesc { format, width, height, layers: layers.len() as u32, mips, attachment: false, storage: false };
         let id = self.create_images(&[(name, desc)]).with_context(|| format!("{} textures of {width}x{height}", layers.len()))?[0];
-        let Some(first) = layers.first() else { return Ok(id) };
-        let staging = self.create_upload_buffer("staging", first)?;
-        for (layer, texels) in layers.iter().enumerate() {
-            assert_eq!(texels.len(), (width * height) as usize * format.texel_bytes(), "{name}: a texture of the wrong size");
-            self.write_upload_buffer(staging, texels);
-            self.submit(name, |commands| commands.copy_buffer_to_image(staging, id, layer as u32))?;
+        let mut staging = None;
+        for (layer, texels) in layers.enumerate() {
+            let staging = match staging {
+                Some(staging) => {
+                    self.write_upload_buffer(staging, &texels);
+                    staging
+                }
+                None => *staging.insert(self.create_upload_buffer("staging", &texels)?),
+            };
+            self.submit(name, |commands| commands.copy_buffer_to_mips(staging, id, layer as u32))?;
         }
-        self.free_buffer(staging);
-        self.submit(name, |commands| {
-            for mip in 1..mips {
-                let both = Accesses::TRANSFER_READ | Accesses::TRANSFER_WRITE;
-                let (from, to) = (Stages::TRANSFER, Stages::TRANSFER);
-                commands.barrier(&Barrier { from, written: Accesses::TRANSFER_WRITE, to, needed: both });
-                commands.halve_into_mip(id, mip);
-            }
-        })?;
+        if let Some(staging) = staging {
+            self.free_buffer(staging);
+        }
         Ok(id)
     }
 }

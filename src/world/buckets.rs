@@ -1,6 +1,7 @@
 //! Draws of a scene by material, in parts small enough for culling, and the textures that they use.
 
 use super::device::{DrawArguments, MaterialData};
+use super::mips::with_mips;
 use crate::fail;
 use crate::gpu::{Format, Gpu, ImageId};
 use crate::scene::bend::Reach;
@@ -76,10 +77,11 @@ pub(super) fn upload_textures(gpu: &mut Gpu, scene: &Scene) -> Result<(Vec<Image
     let mut places = vec![(0, 0); scene.textures.len()];
     for ((width, height, srgb), members) in groups {
         for members in members.chunks(limits.image_layers.max(1) as usize) {
-            let layers: Vec<&[u8]> = members.iter().map(|i| scene.textures[*i].texels.as_slice()).collect();
+            let size = [width, height];
+            let layers = members.iter().map(|i| with_mips(&scene.textures[*i].texels, size, srgb));
             let format = if srgb { Format::Rgba8Srgb } else { Format::Rgba8Unorm };
             members.iter().enumerate().for_each(|(layer, i)| places[*i] = (arrays.len(), layer as u32));
-            arrays.push(gpu.create_texture_array("scene/textures", format, [width, height], &layers)?);
+            arrays.push(gpu.create_texture_array("scene/textures", format, size, layers)?);
         }
     }
     Ok((arrays, places))

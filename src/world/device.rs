@@ -193,7 +193,7 @@ impl DeviceScene {
             draws,
             materials: gpu.create_filled_buffer("scene/materials", bytemuck::cast_slice(&materials))?,
             arrays,
-            blank: gpu.create_texture_array("scene/blank", Format::Rgba8Unorm, [1, 1], &[&[255; 4]])?,
+            blank: gpu.create_texture_array("scene/blank", Format::Rgba8Unorm, [1, 1], std::iter::once(vec![255; 4]))?,
             buckets,
             masks: Masks::upload(gpu, scene)?,
             bending,

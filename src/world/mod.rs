@@ -6,6 +6,7 @@ pub mod bvh;
 pub mod device;
 pub mod device_bvh;
 pub mod masks;
+mod mips;
 pub mod projection;
 pub mod shot;
 pub mod sky;
