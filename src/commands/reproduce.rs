@@ -149,7 +149,7 @@ impl Session<'_> {
         open.renderer.check(config)?;
         if run.needs_reference {
             let key = run.reference_key(table);
-            let truth = Truth { config, digest: &open.digest, goal: table.reference };
+            let truth = Truth { config: &run.truth(), digest: &open.digest, goal: table.reference };
             truth.bring(&mut open.renderer, &reference_folder(folder, &key), &table.name, progress)?;
         }
         let own = run_folder(folder, run);

@@ -22,9 +22,12 @@ pub struct Cell {
     pub unit: &'static str,
     /// The value; `None` if there is none, for the reason in `why`.
     pub value: Option<f64>,
-    /// 5th and 95th percentile over the frames, and their number; only for times.
+    /// 5th and 95th percentile over the frames; only for times.
     pub p5: Option<f64>,
     pub p95: Option<f64>,
+    /// Standard deviation over the seeds; only for means of several.
+    pub spread: Option<f64>,
+    /// Number of frames that a time is the median of, or of seeds that a value is the mean of.
     pub n: Option<u64>,
     /// The paper's figure.
     pub published: Option<f64>,
@@ -173,6 +176,7 @@ impl Source<'_> {
             value: None,
             p5: None,
             p95: None,
+            spread: None,
             n: None,
             published: self.table.published.as_ref().and_then(|published| published.figures[row][column]),
             relative: None,
@@ -181,7 +185,26 @@ impl Source<'_> {
             reference: None,
             why: None,
         };
-        let found = self.found(&what, row, column, &mut cell)?;
+        let seeds = self.table.measure(row, column).seeds as usize;
+        // The first seed's folders stand in the cell.
+        let mut found = self.found(&what, row, column, 0, &mut cell)?;
+        if seeds > 1
+            && let Ok(first) = found
+        {
+            let mut values = vec![first];
+            for seed in 1..seeds {
+                match self.found(&what, row, column, seed, &mut cell.clone())? {
+                    Ok(value) => values.push(value),
+                    Err(why) => found = Err(format!("seed {seed}: {why}")),
+                }
+            }
+            if found.is_ok() {
+                let mean = values.iter().sum::<f64>() / seeds as f64;
+                let squares = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+                (cell.spread, cell.n) = (Some((squares / (seeds - 1) as f64).sqrt()), Some(seeds as u64));
+                found = Ok(mean);
+            }
+        }
         match found {
             Ok(value) if value.is_finite() => cell.value = Some(value),
             Ok(_) => cell.why = Some("not a finite number".to_owned()),
@@ -190,7 +213,7 @@ impl Source<'_> {
         Ok(cell)
     }
 
-    fn found(&mut self, what: &What, row: usize, column: usize, cell: &mut Cell) -> Result<Found> {
+    fn found(&mut self, what: &What, row: usize, column: usize, seed: usize, cell: &mut Cell) -> Result<Found> {
         if let What::Ratio { of, over } = what {
             let mut values = [0.0; 2];
             for (value, place) in values.iter_mut().zip([of, over]) {
@@ -203,7 +226,7 @@ impl Source<'_> {
             return Ok(Ok(values[0] / values[1]));
         }
         let (table, plan) = (self.table, self.plan);
-        let run = plan.run(row, column);
+        let run = plan.seed(row, column, seed);
         cell.run = Some(run.key.clone());
         let Some(record) = self.records.get(run.key.as_str()) else { return Ok(Err("its run is missing".to_owned())) };
         let own = run_folder(self.folder, run);
@@ -235,7 +258,7 @@ impl Source<'_> {
                     }
                     Against::Cell(place) => {
                         let (row, column) = place.from(row, column);
-                        run_folder(self.folder, plan.run(row, column))
+                        run_folder(self.folder, plan.seed(row, column, seed))
                     }
                 };
                 if !other.join(RECORD).is_file() {

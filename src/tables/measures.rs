@@ -4,7 +4,7 @@ use super::nodes::{section, text_of};
 use super::{Against, Figure, Measure, Place, Table, What};
 use crate::config::check::error;
 use crate::config::nearest;
-use crate::config::tree::{Node, Origin, Value, join, quoted};
+use crate::config::tree::{Node, Origin, Table as Tree, Value, join, quoted};
 use crate::metrics::{Intensity, LayerPair};
 use anyhow::Result;
 
@@ -22,13 +22,16 @@ pub fn measure(node: &Node, path: &str, names: &Names) -> Result<Measure> {
         return Err(error(&node.origin, path, format_args!("expects a table such as {{ time = \"gather\" }}, found {}", node.found())));
     };
     let kinds: Vec<&str> = MEASURES.into_iter().filter(|kind| tree.contains_key(*kind)).collect();
+    let mut seeds = 1;
     let what = match kinds.as_slice() {
         ["time"] => What::Time { of: only_text(node, path, "time")? },
         ["count"] => What::Count { of: only_text(node, path, "count")? },
         ["memory"] => What::Memory { of: only_text(node, path, "memory")? },
         ["flicker"] => {
-            let name = only_text(node, path, "flicker")?;
-            What::Flicker { layer: Intensity::parse(&name).map_err(|cause| error(&node.origin, path, cause))? }
+            let tree = section(node, path, &["flicker", "seeds"])?;
+            seeds = seeds_of(tree, path)?;
+            let name = text_of(&tree["flicker"], &join(path, "flicker"))?;
+            What::Flicker { layer: Intensity::parse(name).map_err(|cause| error(&node.origin, path, cause))? }
         }
         ["ratio"] => {
             section(node, path, &["ratio"])?;
@@ -40,7 +43,10 @@ pub fn measure(node: &Node, path: &str, names: &Names) -> Result<Measure> {
             };
             What::Ratio { of: get("of")?, over: get("over")? }
         }
-        ["error"] => error_measure(node, path, names)?,
+        ["error"] => {
+            seeds = seeds_of(tree, path)?;
+            error_measure(node, path, names)?
+        }
         [] => {
             let key = tree.iter().next();
             let hint =
@@ -53,7 +59,7 @@ pub fn measure(node: &Node, path: &str, names: &Names) -> Result<Measure> {
     if let What::Time { of } = &what {
         of.split('+').try_for_each(|part| check_timed(part.trim_end_matches('?'), names.stages, &node.origin, path))?;
     }
-    Ok(Measure { what, origin: node.origin.clone() })
+    Ok(Measure { what, seeds, origin: node.origin.clone() })
 }
 
 /// The value of a measure that is only a name.
@@ -62,8 +68,20 @@ fn only_text(node: &Node, path: &str, key: &str) -> Result<String> {
     text_of(&tree[key], &join(path, key)).map(str::to_owned)
 }
 
+/// Number of seeds whose mean a cell shows.
+fn seeds_of(tree: &Tree, path: &str) -> Result<u32> {
+    match tree.get("seeds") {
+        None => Ok(1),
+        Some(Node { value: Value::Whole(n), .. }) if (2..=1024).contains(n) => Ok(*n as u32),
+        Some(node) => {
+            let found = format_args!("expects a whole number from 2 to 1024, found {}", node.found()).to_string();
+            Err(error(&node.origin, &join(path, "seeds"), found))
+        }
+    }
+}
+
 fn error_measure(node: &Node, path: &str, names: &Names) -> Result<What> {
-    let tree = section(node, path, &["error", "layer", "against"])?;
+    let tree = section(node, path, &["error", "layer", "against", "seeds"])?;
     let figures = Figure::ALL.map(|(name, _)| name);
     let name = text_of(&tree["error"], &join(path, "error"))?;
     let Some((_, figure)) = Figure::ALL.into_iter().find(|(known, _)| *known == name) else {

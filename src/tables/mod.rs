@@ -96,6 +96,8 @@ impl Default for ReferenceGoal {
 #[derive(Debug, Clone)]
 pub struct Measure {
     pub what: What,
+    /// Seeds whose mean the cell shows, from the config's on.
+    pub seeds: u32,
     origin: Origin,
 }
 

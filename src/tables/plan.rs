@@ -47,6 +47,13 @@ pub struct Run {
 }
 
 impl Run {
+    /// The config that the run's reference is traced with: seeds share a truth.
+    pub fn truth(&self) -> Config {
+        let mut config = self.config.clone();
+        config.frame.seed = 0;
+        config
+    }
+
     /// Folder name of the reference for this run.
     pub fn reference_key(&self, table: &Table) -> String {
         let mut config = Config { camera: self.config.camera.clone(), light: self.config.light.clone(), ..Config::default() };
@@ -54,7 +61,6 @@ impl Run {
         config.materials = self.config.materials.clone();
         (config.frame.size, config.frame.count, config.frame.fps) =
             (self.config.frame.size, self.config.frame.count, self.config.frame.fps);
-        config.frame.seed = self.config.frame.seed;
         let goal = table.reference;
         // `gather.min_distance` is the only key of the methods that a clamped reference depends on.
         config.gather.min_distance = if goal.min_distance { self.config.gather.min_distance } else { 0.0 };
@@ -65,8 +71,8 @@ impl Run {
 /// The distinct runs of a table, and the run of each cell.
 pub struct Plan {
     pub runs: Vec<Run>,
-    /// Index of each cell's run, row by row; meaningless for a cell that needs none.
-    of_cell: Vec<Vec<usize>>,
+    /// Indices of each cell's runs, one a seed, row by row; meaningless for a cell that needs none.
+    of_cell: Vec<Vec<Vec<usize>>>,
     pub sweep: Sweep,
     /// What the user should be told of the cells' configs.
     pub warnings: Vec<String>,
@@ -80,7 +86,17 @@ impl Plan {
     pub fn of(table: &Table, sweep: &Sweep) -> Result<Self> {
         let mut all: Vec<Run> = Vec::new();
         let mut warnings = Vec::new();
-        let mut of_cell = vec![vec![0; table.columns.len()]; table.rows.len()];
+        // A cell that another is measured against has as many seeds.
+        let mut seeds: Vec<Vec<u32>> = vec![vec![1; table.columns.len()]; table.rows.len()];
+        for (row, column) in table.places() {
+            let measure = table.measure(row, column);
+            seeds[row][column] = seeds[row][column].max(measure.seeds);
+            if let What::Error { against: Against::Cell(place), .. } = &measure.what {
+                let (row, column) = place.from(row, column);
+                seeds[row][column] = seeds[row][column].max(measure.seeds);
+            }
+        }
+        let mut of_cell = vec![vec![Vec::new(); table.columns.len()]; table.rows.len()];
         for (row, column) in table.places() {
             let (of_row, of_column) = (&table.rows[row], &table.columns[column]);
             let sets: Vec<_> = [&table.original, &table.set, &of_row.set, &of_column.set].into_iter().flatten().collect();
@@ -89,30 +105,41 @@ impl Plan {
             let loaded = loaded.with_context(|| format!("row {:?}, column {:?}", of_row.name, of_column.name))?;
             warnings.extend(loaded.warnings);
             let config = sweep.apply(loaded.config, walks);
-            let key = hash(&portable(&config));
-            of_cell[row][column] = all.iter().position(|run| run.key == key).unwrap_or_else(|| {
-                let set = |lines: &[super::Line]| lines.iter().any(|line| line.set.is_some());
-                let names = [(set(&table.rows), &of_row.name), (set(&table.columns), &of_column.name)];
-                let parts: Vec<&str> = names.iter().filter(|(differ, _)| *differ).map(|(_, name)| name.as_str()).collect();
-                let label = if parts.is_empty() { table.name.clone() } else { parts.join(", ") };
-                all.push(Run { key, label, config, set: BTreeMap::new(), walks: BTreeMap::new(), needs_reference: false });
-                all.len() - 1
-            });
+            for seed in 0..seeds[row][column] {
+                let mut config = config.clone();
+                config.frame.seed = config.frame.seed.wrapping_add(seed);
+                let key = hash(&portable(&config));
+                let at = all.iter().position(|run| run.key == key).unwrap_or_else(|| {
+                    let set = |lines: &[super::Line]| lines.iter().any(|line| line.set.is_some());
+                    let names = [(set(&table.rows), &of_row.name), (set(&table.columns), &of_column.name)];
+                    let mut parts: Vec<String> = names.iter().filter(|(differ, _)| *differ).map(|(_, name)| (*name).clone()).collect();
+                    if seed > 0 {
+                        parts.push(format!("seed {}", config.frame.seed));
+                    }
+                    let label = if parts.is_empty() { table.name.clone() } else { parts.join(", ") };
+                    all.push(Run { key, label, config, set: BTreeMap::new(), walks: BTreeMap::new(), needs_reference: false });
+                    all.len() - 1
+                });
+                of_cell[row][column].push(at);
+            }
         }
         let mut needed = vec![false; all.len()];
         for (row, column) in table.places() {
-            let of = of_cell[row][column];
-            match &table.measure(row, column).what {
-                What::Ratio { .. } => continue,
-                What::Flicker { layer } => _ = all[of].walks.insert(layer.name(), *layer),
-                What::Error { against: Against::Reference, .. } => all[of].needs_reference = true,
-                What::Error { against: Against::Cell(place), .. } => {
-                    let (row, column) = place.from(row, column);
-                    needed[of_cell[row][column]] = true;
+            let measure = table.measure(row, column);
+            for seed in 0..measure.seeds as usize {
+                let of = of_cell[row][column][seed];
+                match &measure.what {
+                    What::Ratio { .. } => continue,
+                    What::Flicker { layer } => _ = all[of].walks.insert(layer.name(), *layer),
+                    What::Error { against: Against::Reference, .. } => all[of].needs_reference = true,
+                    What::Error { against: Against::Cell(place), .. } => {
+                        let (row, column) = place.from(row, column);
+                        needed[of_cell[row][column][seed]] = true;
+                    }
+                    What::Time { .. } | What::Count { .. } | What::Memory { .. } => {}
                 }
-                What::Time { .. } | What::Count { .. } | What::Memory { .. } => {}
+                needed[of] = true;
             }
-            needed[of] = true;
         }
         let mut runs = Vec::new();
         let places: Vec<usize> = needed
@@ -125,7 +152,7 @@ impl Plan {
                 runs.len().saturating_sub(1)
             })
             .collect();
-        of_cell.iter_mut().flatten().for_each(|run| *run = places[*run]);
+        of_cell.iter_mut().flatten().flatten().for_each(|run| *run = places[*run]);
         tell_apart(&mut runs);
         // Cells of a line share what it says.
         let mut told = BTreeSet::new();
@@ -133,9 +160,14 @@ impl Plan {
         Ok(Self { runs, of_cell, sweep: sweep.clone(), warnings })
     }
 
-    /// The run of a cell. The cell must not be a ratio, unless another cell is measured against it.
+    /// The run of a cell's first seed. The cell must not be a ratio, unless another cell is measured against it.
     pub fn run(&self, row: usize, column: usize) -> &Run {
-        &self.runs[self.of_cell[row][column]]
+        self.seed(row, column, 0)
+    }
+
+    /// The run of a cell's seed, by its number from 0 on.
+    pub fn seed(&self, row: usize, column: usize, seed: usize) -> &Run {
+        &self.runs[self.of_cell[row][column][seed]]
     }
 }
 

@@ -58,6 +58,7 @@ pub fn csv(results: &Results) -> Result<Vec<u8>> {
         "value",
         "p5",
         "p95",
+        "spread",
         "n",
         "published",
         "relative",
@@ -78,7 +79,14 @@ pub fn csv(results: &Results) -> Result<Vec<u8>> {
     for (row, cells) in results.rows.iter().zip(&results.cells) {
         for (column, cell) in results.columns.iter().zip(cells) {
             let own = [results.name.clone(), row.clone(), column.clone(), cell.measure.clone(), cell.unit.to_owned()];
-            let numbers = [number(cell.value), number(cell.p5), number(cell.p95), number(cell.n.map(|n| n as f64)), number(cell.published)];
+            let numbers = [
+                number(cell.value),
+                number(cell.p5),
+                number(cell.p95),
+                number(cell.spread),
+                number(cell.n.map(|n| n as f64)),
+                number(cell.published),
+            ];
             let ratios = [number(cell.relative), number(cell.published_relative)];
             let [run, reference, why] = [&cell.run, &cell.reference, &cell.why].map(|text| text.clone().unwrap_or_default());
             let from = [results.scale.to_string(), results.quick.to_string(), results.timing_mode.clone().unwrap_or_default()];
@@ -116,6 +124,9 @@ impl Results {
 fn shown(cell: &Cell, is_cpu: bool) -> String {
     let Some(value) = cell.value else { return "-".to_owned() };
     let mut text = figure(value, cell.unit);
+    if let Some(spread) = cell.spread {
+        let _ = write!(text, " ±{}", figure(spread, cell.unit));
+    }
     if let Some(published) = cell.published.filter(|_| !(is_cpu && cell.unit == "ms")) {
         let _ = write!(text, " (paper {})", figure(published, cell.unit));
     }
@@ -167,6 +178,12 @@ fn notes(results: &Results) -> Vec<String> {
     }
     if results.is_cpu() {
         notes.push("times are those of a software driver (cpu): only ratios stand beside the paper's".to_owned());
+    }
+    let counts: std::collections::BTreeSet<u64> =
+        results.cells.iter().flatten().filter(|cell| cell.spread.is_some()).filter_map(|cell| cell.n).collect();
+    if !counts.is_empty() {
+        let counts: Vec<String> = counts.iter().map(u64::to_string).collect();
+        notes.push(format!("±: mean and standard deviation of {} seeds", counts.join(" or ")));
     }
     if !results.published.is_null() {
         let said = ["hardware", "scene", "settings"].iter().filter_map(|key| results.published[key].as_str()).collect::<Vec<_>>();

@@ -126,8 +126,35 @@ fn cells_come_from_the_folders_of_runs_and_papers_times_stand_beside_a_gpus_alon
         results.write(folder.path()).unwrap();
         let csv = std::fs::read_to_string(folder.path().join("table.csv")).unwrap();
         assert_eq!(csv.lines().count(), 7);
-        assert!(csv.contains("small,four,speed-up,ratio,x,15,,,,,"), "{csv}");
+        assert!(csv.contains("small,four,speed-up,ratio,x,15,,,,,,"), "{csv}");
     }
+}
+
+#[test]
+fn a_mean_of_seeds_has_a_run_a_seed_their_spread_and_one_truth() {
+    let text = SMALL.replacen("against = { row = \"one\" }", "against = { row = \"one\" }, seeds = 3", 1);
+    let (table, folder) = (read(&text, Path::new("small.toml"), None).unwrap(), tempfile::tempdir().unwrap());
+    let plan = Plan::of(&table, &Sweep::default()).unwrap();
+    let labels: Vec<&str> = plan.runs.iter().map(|run| run.label.as_str()).collect();
+    assert_eq!(labels, ["one", "one, seed 1", "one, seed 2", "four", "four, seed 1", "four, seed 2"]);
+    let seeds: Vec<u32> = plan.runs.iter().map(|run| run.config.frame.seed).collect();
+    assert_eq!(seeds, [0, 1, 2, 0, 1, 2]);
+    let truths: std::collections::BTreeSet<String> = plan.runs.iter().map(|run| run.reference_key(&table)).collect();
+    assert_eq!(truths.len(), 1);
+    // Runs' pictures are as bright as their numbers, so each seed is off by 3 from the other row's.
+    (0..5).for_each(|run| leave(folder.path(), &plan, run, 1.0, "gpu"));
+    let results = cells::results(&table, &plan, folder.path()).unwrap();
+    assert_eq!(results.cells[1][2].why.as_deref(), Some("seed 2: its run is missing"));
+    leave(folder.path(), &plan, 5, 1.0, "gpu");
+    let results = cells::results(&table, &plan, folder.path()).unwrap();
+    let cell = &results.cells[1][2];
+    let values = [0.0_f64, 1.0, 2.0].map(|r| 9.0 / (r * r + 0.01));
+    let mean = values.iter().sum::<f64>() / 3.0;
+    let spread = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 2.0).sqrt();
+    let close = |ours: Option<f64>, exact: f64| (ours.unwrap() / exact - 1.0).abs() < 1e-6;
+    assert!(close(cell.value, mean) && close(cell.spread, spread) && cell.n == Some(3), "{cell:?}");
+    let text = print::text(&results);
+    assert!(text.contains(" ±") && text.contains("mean and standard deviation of 3 seeds"), "{text}");
 }
 
 #[test]
@@ -217,6 +244,12 @@ fn mistakes_are_refused_by_file_line_and_key() {
         ("measure = { time = \"gather\" }", "", "column.0: its cells measure nothing"),
         ("measure = { time = \"gather\" }", "measure = { time = \"gather\", count = \"a\" }", "measures time and count at once"),
         ("measure = { time = \"gather\" }", "measure = { flicker = \"irradianc\" }", "did you mean irradiance?"),
+        ("measure = { time = \"gather\" }", "measure = { time = \"gather\", seeds = 4 }", "column.0.measure.seeds: unknown key"),
+        (
+            "against = { row = \"one\" } }",
+            "against = { row = \"one\" }, seeds = 1 }",
+            "column.2.measure.seeds: expects a whole number from 2 to 1024, found the whole number 1",
+        ),
     ];
     for (from, to, expected) in cases {
         assert!(SMALL.contains(from), "{from}");

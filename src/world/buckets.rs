@@ -1,7 +1,7 @@
 //! Draws of a scene by material, in parts small enough for culling, and the textures that they use.
 
 use super::device::{DrawArguments, MaterialData};
-use super::mips::with_mips;
+use super::mips::{Texels, with_mips};
 use crate::fail;
 use crate::gpu::{Format, Gpu, ImageId};
 use crate::scene::bend::Reach;
@@ -9,7 +9,7 @@ use crate::scene::{Aabb, Draw, Filter, Map, Material, Scene, Wrap};
 use anyhow::Result;
 use glam::Affine3A;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Properties shared by the draws of a bucket. Pipelines depend on all but the material's number.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -57,7 +57,9 @@ pub(super) type Places = Vec<(usize, u32)>;
 
 pub(super) fn upload_textures(gpu: &mut Gpu, scene: &Scene) -> Result<(Vec<ImageId>, Places)> {
     let limits = gpu.adapter.limits;
-    let mut groups: BTreeMap<(u32, u32, bool), Vec<usize>> = BTreeMap::new();
+    let mut groups: BTreeMap<(u32, u32, Texels), Vec<usize>> = BTreeMap::new();
+    let masks = scene.materials.iter().filter(|material| material.alpha_cutoff.is_some()).filter_map(|material| material.base_color_map);
+    let masks: BTreeSet<usize> = masks.map(|map| map.texture as usize).collect();
     for (i, texture) in scene.textures.iter().enumerate() {
         if texture.width.max(texture.height) > limits.image_size {
             return Err(fail!(
@@ -71,15 +73,16 @@ pub(super) fn upload_textures(gpu: &mut Gpu, scene: &Scene) -> Result<(Vec<Image
                 gpu.adapter.name
             ));
         }
-        groups.entry((texture.width, texture.height, texture.srgb)).or_default().push(i);
+        let texels = Texels { srgb: texture.srgb, holes: masks.contains(&i) };
+        groups.entry((texture.width, texture.height, texels)).or_default().push(i);
     }
     let mut arrays = Vec::new();
     let mut places = vec![(0, 0); scene.textures.len()];
-    for ((width, height, srgb), members) in groups {
+    for ((width, height, of), members) in groups {
         for members in members.chunks(limits.image_layers.max(1) as usize) {
             let size = [width, height];
-            let layers = members.iter().map(|i| with_mips(&scene.textures[*i].texels, size, srgb));
-            let format = if srgb { Format::Rgba8Srgb } else { Format::Rgba8Unorm };
+            let layers = members.iter().map(|i| with_mips(&scene.textures[*i].texels, size, of));
+            let format = if of.srgb { Format::Rgba8Srgb } else { Format::Rgba8Unorm };
             members.iter().enumerate().for_each(|(layer, i)| places[*i] = (arrays.len(), layer as u32));
             arrays.push(gpu.create_texture_array("scene/textures", format, size, layers)?);
         }

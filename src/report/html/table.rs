@@ -88,7 +88,9 @@ pub struct Cell {
     pub value: Option<f64>,
     pub p5: Option<f64>,
     pub p95: Option<f64>,
-    /// Number of frames of a time.
+    /// Standard deviation over the seeds of a mean.
+    pub spread: Option<f64>,
+    /// Number of frames of a time, or of the seeds of a mean.
     pub n: Option<usize>,
     pub published: Option<f64>,
     /// The value over the table's base value.
