@@ -170,8 +170,25 @@ fn lines<'n>(
     Ok(lines)
 }
 
-/// The view that a stand-in replaces, as its title and settings; or a sentence for the user if the folder lacks its scene.
+/// The view that a stand-in replaces, as its title and settings: of several the first whose scene the folder has. Or a sentence for the
+/// user if it has none.
 fn original(node: &Node, path: &str, stand_in: &str, scenes: Option<&Path>) -> Result<Result<(String, Node), String>> {
+    let names = match &node.value {
+        Value::List(names) => names.as_slice(),
+        _ => std::slice::from_ref(node),
+    };
+    let mut absent = Err(error(&node.origin, path, "is empty; name a view of configs/views"));
+    for name in names {
+        match view(name, path, stand_in, scenes)? {
+            Ok(found) => return Ok(Ok(found)),
+            Err(why) => absent = Ok(Err(why)),
+        }
+    }
+    absent
+}
+
+/// A view as its title and settings, or a sentence for the user if the folder lacks its scene.
+fn view(node: &Node, path: &str, stand_in: &str, scenes: Option<&Path>) -> Result<Result<(String, Node), String>> {
     let name = text_of(node, path)?;
     let views = presets::views();
     let Some((_, text)) = views.iter().find(|(known, _)| *known == name) else {

@@ -301,6 +301,16 @@ fn a_view_takes_its_stand_ins_place_where_its_scene_is() {
     let runs = scenes(&table);
     assert_eq!((table.columns[2].name.as_str(), table.deviations.len()), ("Sibenik", 1));
     assert_eq!(runs, [None, Some(file.clone()), None, Some(file)]);
+    // Of several views the first whose scene is there.
+    let several = |list: &str| {
+        let text = text.replace("\"sibenik\"", list);
+        read(&text, Path::new("small.toml"), Some(folder.path()))
+            .map(|table| table.columns[2].name.clone())
+            .map_err(|error| format!("{error:#}"))
+    };
+    assert_eq!(several("[\"conference\", \"sibenik\", \"museum-hall\"]").unwrap(), "Sibenik");
+    assert_eq!(several("[\"conference\", \"museum-hall\"]").unwrap(), "error");
+    assert!(several("[]").unwrap_err().contains("column.2.instead_of: is empty"));
     let wrong = text.replace("\"sibenik\"", "\"sibenic\"");
     let error = format!("{:#}", read(&wrong, Path::new("small.toml"), None).err().unwrap());
     assert!(error.contains("did you mean \"sibenik\"?"), "{error}");

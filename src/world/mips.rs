@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn colours_of_holes_are_not_seen() {
-        let leaf = |i: usize| if i % 3 == 0 { [20, 90, 10, 255] } else { [250, 240, 255, 0] };
+        let leaf = |i: usize| if i.is_multiple_of(3) { [20, 90, 10, 255] } else { [250, 240, 255, 0] };
         let texels: Vec<u8> = (0..36).flat_map(leaf).collect();
         let holes = Texels { srgb: true, holes: true };
         assert_eq!(last(&texels, [6, 6], holes), [20, 90, 10, 85]);
