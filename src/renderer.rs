@@ -168,10 +168,13 @@ impl Renderer {
         stages::check(config, &Facts::of(config, adapter, maps))
     }
 
-    /// Number of virtual point lights of the first bounce.
+    /// Number of virtual point lights of the first bounce; 0 without a light that has a map.
     pub fn vpl_count(&self, config: &Config) -> u32 {
         let lighting = Lighting::of(config, &self.world, &self.engine.gpu.adapter, 0);
-        config.vpl_count(lighting.map_or(1, |lighting| lighting.projectors.len() as u32))
+        match lighting.map_or(1, |lighting| lighting.projectors.len() as u32) {
+            0 => 0,
+            layers => config.vpl_count(layers),
+        }
     }
 
     /// Warnings about a config.

@@ -23,6 +23,9 @@ use std::path::{Path, PathBuf};
 
 /// Runs or merges every given table. All are read and planned before anything is rendered.
 pub fn run(args: &ReproduceArgs) -> Result<()> {
+    if let Some(folder) = args.scenes.as_ref().filter(|folder| !folder.is_dir()) {
+        return Err(fail!(BadInput, "--scenes {}: there is no such folder", folder.display()));
+    }
     let tables = args.tables.iter().map(|name| named(name)).collect::<Result<Vec<_>>>()?.concat();
     let mut planned: Vec<(Table, Plan, PathBuf)> = Vec::new();
     for (text, path) in tables {

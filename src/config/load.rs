@@ -137,7 +137,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String> {
 fn chain(text: &str, path: &Path) -> Result<Node> {
     let mut files = vec![path.to_path_buf()];
     let (mut root, mut base) = config_document(text, path, MOST_FILES)?;
-    while let Some((origin, base_path)) = base {
+    while let Some((origin, Below { path: base_path, preset })) = base {
         let names = || files.iter().chain([&base_path]).map(|file| shown(file)).collect::<Vec<_>>().join(" -> ");
         let same = |file: &PathBuf| match (file.canonicalize(), base_path.canonicalize()) {
             (Ok(file), Ok(base)) => file == base,
@@ -149,7 +149,10 @@ fn chain(text: &str, path: &Path) -> Result<Node> {
         if files.len() == MOST_FILES {
             return Err(check::error(&origin, "base", format_args!("the chain of bases is longer than {MOST_FILES} files")));
         }
-        let text = base_text(&base_path).map_err(|error| check::error(&origin, "base", error))?;
+        let text = match preset {
+            Some(text) => text.to_owned(),
+            None => read(&base_path).map_err(|error| check::error(&origin, "base", error))?,
+        };
         let (mut below, next) = config_document(&text, &base_path, MOST_FILES - files.len())?;
         files.push(base_path);
         overlay(&mut below, root, "");
@@ -159,15 +162,33 @@ fn chain(text: &str, path: &Path) -> Result<Node> {
     Ok(root)
 }
 
+/// What a file starts from.
+struct Below {
+    path: PathBuf,
+    /// Text of the preset of this name, where there is no such file.
+    preset: Option<&'static str>,
+}
+
+impl Below {
+    /// A file by its path from a folder, or a preset by its name or file name.
+    fn named(name: &str, folder: &Path) -> Self {
+        let path = folder.join(name);
+        match presets::find(name.strip_suffix(".toml").unwrap_or(name)).filter(|_| !path.exists()) {
+            Some(text) => Self { path: Path::new(name).with_extension("toml"), preset: Some(text) },
+            None => Self { path, preset: None },
+        }
+    }
+}
+
 /// One file's tree and, apart from it, the base that it names.
-fn config_document(text: &str, path: &Path, layer: usize) -> Result<(Node, Option<(Origin, PathBuf)>)> {
+fn config_document(text: &str, path: &Path, layer: usize) -> Result<(Node, Option<(Origin, Below)>)> {
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
     let source = Rc::new(Source { name: shown(path), folder: folder.clone(), layer });
     let mut root = tree(text, source)?;
     let Value::Table(table) = &mut root.value else { unreachable!("a document is a table") };
     let base = match table.remove("base") {
         None => None,
-        Some(Node { origin, value: Value::Text(base) }) if !base.is_empty() => Some((origin, folder.join(base))),
+        Some(Node { origin, value: Value::Text(base) }) if !base.is_empty() => Some((origin, Below::named(&base, &folder))),
         Some(node) => return Err(check::error(&node.origin, "base", format_args!("expects the path of a config, found {}", node.found()))),
     };
     Ok((root, base))
@@ -187,14 +208,6 @@ fn tree(text: &str, source: Rc<Source>) -> Result<Node> {
 fn shown(path: &Path) -> String {
     let text = path.display().to_string();
     if text.contains(char::is_control) { text.escape_debug().to_string() } else { text }
-}
-
-/// Text of a base. A preset is found by its file name in any folder that has no such file.
-fn base_text(path: &Path) -> Result<String> {
-    match path.to_str().and_then(|path| path.strip_suffix(".toml")).and_then(presets::find) {
-        Some(text) if !path.exists() => Ok(text.to_owned()),
-        _ => read(path),
-    }
 }
 
 fn read(path: &Path) -> Result<String> {

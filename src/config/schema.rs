@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 #[derive(JsonSchema)]
 #[schemars(deny_unknown_fields)]
 struct File {
-    /// A config that this one changes: its path from the folder of this file, or a preset's file name. A key here replaces the base's, a
+    /// A config that this one changes: its path from the folder of this file, or a preset's name. A key here replaces the base's, a
     /// list its whole list.
     #[schemars(length(min = 1), extend("x-default" = "none"))]
     #[serde(default)]

@@ -68,6 +68,8 @@ pub struct Results {
     /// Runs by key, with their labels and differing keys.
     pub runs: BTreeMap<String, Value>,
     pub references: Vec<String>,
+    /// The largest standard error of the references over their mean, if it is over what the table asks for, and that.
+    pub reference_error: Option<[f64; 2]>,
 }
 
 /// Computes all cells.
@@ -101,6 +103,10 @@ pub fn results(table: &Table, plan: &Plan, folder: &Path) -> Result<Results> {
     );
     let references = plan.runs.iter().filter(|run| run.needs_reference).map(|run| run.reference_key(table));
     let references: std::collections::BTreeSet<String> = references.filter(|key| reference_folder(folder, key).is_dir()).collect();
+    let error_of =
+        |key: &String| read_json(&reference_folder(folder, key).join(RECORD)).ok()?["checks"]["relative-standard-error"].as_f64();
+    let reference_error = references.iter().filter_map(error_of).reduce(f64::max);
+    let reference_error = reference_error.filter(|error| *error > table.reference.error).map(|error| [error, table.reference.error]);
     let run = |run: &Run| {
         let [width, height] = run.config.frame.size;
         (run.key.clone(), json!({ "label": run.label, "set": run.set, "width": width, "height": height }))
@@ -125,6 +131,7 @@ pub fn results(table: &Table, plan: &Plan, folder: &Path) -> Result<Results> {
         cells,
         runs: plan.runs.iter().map(run).collect(),
         references: references.into_iter().collect(),
+        reference_error,
     })
 }
 

@@ -189,6 +189,13 @@ fn notes(results: &Results) -> Vec<String> {
         let said = ["hardware", "scene", "settings"].iter().filter_map(|key| results.published[key].as_str()).collect::<Vec<_>>();
         notes.push(format!("paper: {}", said.join("; ")));
     }
+    if let Some([error, asked]) = results.reference_error {
+        notes.push(format!(
+            "reference: its standard error is {:.1} % of the mean radiance a pixel, over the {:.1} % that the table asks for; it ended after its last sample",
+            100.0 * error,
+            100.0 * asked
+        ));
+    }
     if results.scale != 1.0 {
         notes.push(format!("scaled: pictures are {} times as wide and high as the table says", results.scale));
     }

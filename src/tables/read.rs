@@ -114,8 +114,9 @@ fn base(tree: &Tree, origin: &Origin, path: &Path) -> Result<Base> {
     };
     let name = text_of(node, "base")?;
     let file = path.parent().unwrap_or(Path::new("")).join(name);
-    let loaded = match presets::find(name) {
-        Some(text) if !file.is_file() => return Base::parse(text, &PathBuf::from(format!("{name}.toml"))),
+    let preset = name.strip_suffix(".toml").unwrap_or(name);
+    let loaded = match presets::find(preset) {
+        Some(text) if !file.is_file() => return Base::parse(text, &PathBuf::from(format!("{preset}.toml"))),
         _ if file.is_file() => Base::load(&file),
         _ => {
             let names: Vec<&str> = presets::all().iter().map(|(name, _)| *name).collect();
@@ -208,9 +209,9 @@ fn view(node: &Node, path: &str, stand_in: &str, scenes: Option<&Path>) -> Resul
     };
     let title = presets::title(text).to_owned();
     Ok(match scenes {
-        None => Err(format!("{stand_in} stands for {title}; --scenes takes a folder that has {file}.")),
+        None => Err(format!("{stand_in} is rendered in place of {title}; --scenes takes a folder that has {file}.")),
         Some(folder) if !folder.join(&file).is_file() => {
-            Err(format!("{stand_in} stands for {title}: {} is not there.", folder.join(&file).display()))
+            Err(format!("{stand_in} is rendered in place of {title}: {} is not there.", folder.join(&file).display()))
         }
         Some(_) => Ok((title, view)),
     })

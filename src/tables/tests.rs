@@ -289,7 +289,7 @@ fn a_view_takes_its_stand_ins_place_where_its_scene_is() {
     for (table, says) in [(of(None), "--scenes"), (of(Some(folder.path())), "sibenik.glb is not there")] {
         assert_eq!(table.columns[2].name, "error");
         assert!(
-            table.deviations[1].starts_with("error stands for Sibenik") && table.deviations[1].contains(says),
+            table.deviations[1].starts_with("error is rendered in place of Sibenik") && table.deviations[1].contains(says),
             "{:?}",
             table.deviations
         );

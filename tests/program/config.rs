@@ -341,6 +341,23 @@ fn a_config_lies_over_its_base_key_by_key_and_a_list_replaces_a_list() {
 }
 
 #[test]
+fn a_base_is_a_preset_by_its_name_in_every_folder_and_a_file_goes_first() {
+    let folder = Folder::new(
+        "base-preset",
+        &[
+            ("name.toml", "base = \"barak\""),
+            ("file.toml", "base = \"barak.toml\""),
+            ("own/barak.toml", "vpls.count = 7"),
+            ("own/top.toml", "base = \"barak.toml\""),
+        ],
+    );
+    for file in ["name.toml", "file.toml"] {
+        assert_eq!(folder.load(file, &[]).unwrap().vpls.sampler, manylight::config::VplSampler::MetropolisHastings, "{file}");
+    }
+    assert_eq!(folder.load("own/top.toml", &[]).unwrap().vpls.count, 7);
+}
+
+#[test]
 fn a_key_displaces_what_it_excludes_in_a_base() {
     let camera = "[camera]\nposition = [0, 0, 0]\ntarget = [0, 0, 1]\nup = [0, 1, 0]\n";
     let path = "[[camera.keyframes]]\ntime = 0\nposition = [0, 0, 0]\ntarget = [0, 0, 2]\n";

@@ -235,6 +235,9 @@ fn a_table_that_is_wrong_is_refused_before_anything_is_rendered() {
         assert!(error.contains(expected), "{error}");
         assert!(!place.path("out/small/runs").exists() && !place.path("out/small/references").exists(), "{to}");
     }
+    let lost = place.run(&["--scenes", "nowhere"]);
+    let error = text(&lost.stderr);
+    assert!(lost.status.code() == Some(2) && error.contains("--scenes nowhere: there is no such folder"), "{error}");
     let unknown = place.0.manylight().args(["reproduce", "interleavin"]).output().unwrap();
     let error = text(&unknown.stderr);
     assert!(unknown.status.code() == Some(2) && error.contains("did you mean interleaving?"), "{error}");
