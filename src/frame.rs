@@ -33,7 +33,7 @@ pub fn frame(g: &mut Graph, world: &World, residents: &Residents, shot: &Shot, c
     let rsm = rsm::draw(g, scene, &shot.lighting.projectors, &wants, &config.rsm);
     let vpls = vpls::sample(g, &rsm, &gbuffer, &wants, &config.vpls);
     let bounces = bounce::propagate(g, scene, vpls, &wants, &config.bounce);
-    let around = Surroundings { scene, residents, traced: traced.as_ref(), gbuffer: &gbuffer, rsm: &rsm, wants: &wants };
+    let around = Surroundings { scene, residents, traced: traced.as_ref(), view: &shot.view, gbuffer: &gbuffer, rsm: &rsm, wants: &wants };
     let lights = visibility::render(g, around, &bounces, &config.visibility);
     let indirect = gather::indirect(g, around, &lights, Roulette::of(config, shot.index), &config.gather);
     let indirect = filter::smooth(g, &gbuffer, indirect, &config.filter);

@@ -5,6 +5,7 @@
 // host's twin. A workgroup bends a run of one mesh's vertices.
 #include "lib/packing.glsl"
 #include "part/positions=deform/positions-none"
+#include "lib/vertex.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -19,14 +20,6 @@ struct Run {
     uint influences; // first texel of the run
     uint fours;      // texels of influences a vertex; 0 without a skin
     uint targets;    // texel of the mesh's list of targets
-};
-
-struct Vertex {
-    vec3 position;
-    uint normal; // octahedral_snorm16
-    vec2 uv;
-    uint color;
-    uint tangent; // pack::tangent
 };
 
 layout(scalar) readonly buffer Runs { Run at[]; } runs;

@@ -23,6 +23,13 @@ uint row_of(Receiver r) {
     return rows.at[uint(tile.y * across + tile.x) * SLICES + slice_of(view.it, r.distance)];
 }
 
+// Sums the VPL that the lane at place `i` has fetched, at the pixels that are inside its froxel.
+void shade_listed(inout Quad q, ivec2 pixel, Vpl mine, uint index, Lanes lanes, uint i, vec4 inside) {
+    uint lane = lane_at(lanes, i);
+    vec4 visible = inside * float(i < lanes.count) * vec4(seen(pixel, subgroupBroadcast(index, lane) / SETS) & 1u);
+    shade(q, hand_round(mine, lane), visible);
+}
+
 void main() {
     ivec2 pixel = first_pixel();
     Quad pixels = quad_at(pixel);
@@ -47,12 +54,10 @@ void main() {
                 uint index = lists.at[begin + 1u + min(start + lanes.mine, count - 1u)];
                 Vpl mine = vpl(index, there);
                 uint listed = min(lanes.count, count - start);
+                // Unrolled by two: llvmpipe ends all loops of an invocation together after 65,535 turns.
                 for (uint i = 0u; i < listed; i += 2u) {
-                    for (uint k = i; k < i + 2u; k++) {
-                        uint lane = lane_at(lanes, k);
-                        vec4 visible = inside * float(k < lanes.count) * vec4(seen(pixel, subgroupBroadcast(index, lane) / SETS) & 1u);
-                        shade(pixels, hand_round(mine, lane), visible);
-                    }
+                    shade_listed(pixels, pixel, mine, index, lanes, i, inside);
+                    shade_listed(pixels, pixel, mine, index, lanes, i + 1u, inside);
                 }
             }
         }

@@ -11,6 +11,7 @@ layout(scalar) writeonly buffer Intensities { vec3 at[]; } intensities;
 layout(scalar) writeonly buffer Areas { float at[]; } areas;
 layout(scalar) buffer Lit { uint count; } lit;
 
+#include "part/disk=vpls/disk-none"
 #include "part/lobe=vpls/lobe-none"
 
 // Map of a sample, and its number among the map's samples; the first maps get the remainder of the division.
@@ -29,13 +30,14 @@ void share_of(uint index, out uint layer, out uint k, out uint count) { map_of(p
 void put(uint index, ivec3 at, float texels) {
     VplPlace place = VplPlace(vec3(0.0), 0u);
     vec3 intensity = vec3(0.0);
-    float area = 0.0;
+    float area = 0.0, disk = 0.0;
     float depth = texelFetch(rsm_depth, at, 0).r;
     if (depth > 0.0) {
         vec2 ndc = (vec2(at.xy) + 0.5) / vec2(params.size) * 2.0 - 1.0;
         place.position = light_position(lights.at[at.z], ndc, depth);
         place.normal = octahedral_snorm16(octahedral_inverse(texelFetch(rsm_normal, at, 0).xy));
-        area = texels * texel_beam(lights.at[at.z], ndc, place.position);
+        disk = texel_beam(lights.at[at.z], ndc, place.position);
+        area = texels * disk;
         intensity = texelFetch(rsm_flux, at, 0).rgb * texelFetch(rsm_albedo, at, 0).rgb * (texels / PI);
     }
     bool glossy = put_lobe(index, depth > 0.0 ? at : ivec3(-1), texels, place.position);
@@ -43,5 +45,6 @@ void put(uint index, ivec3 at, float texels) {
     places.at[index] = place;
     intensities.at[index] = intensity;
     areas.at[index] = area;
+    put_disk(index, disk);
     if (area > 0.0) atomicAdd(lit.count, 1u);
 }

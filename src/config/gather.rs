@@ -21,6 +21,7 @@ pub struct GatherConfig {
     pub per_pixel: PerPixelConfig,
     pub stochastic: StochasticConfig,
     pub conservative_clusters: ConservativeClustersConfig,
+    pub light_caches: LightCachesConfig,
 }
 
 impl Default for GatherConfig {
@@ -32,6 +33,7 @@ impl Default for GatherConfig {
             per_pixel: PerPixelConfig::default(),
             stochastic: StochasticConfig::default(),
             conservative_clusters: ConservativeClustersConfig::default(),
+            light_caches: LightCachesConfig::default(),
         }
     }
 }
@@ -45,6 +47,9 @@ pub enum GatherMethod {
     PerPixel,
     /// Every VPL has a random range, beyond which Russian roulette has decided against it (Tokuyoshi and Harada 2017).
     Stochastic,
+    /// All VPLs, as area lights, shine on sparse caches on the models, and pixels interpolate between these (Bischoff, Schwandt and Broll
+    /// 2017). Caches have shadows of their own: `gather.light_caches.occlusion`.
+    LightCaches,
 }
 
 /// The method `"per-pixel"`.
@@ -99,6 +104,69 @@ impl Default for ConservativeClustersConfig {
     fn default() -> Self {
         Self { rasterization: Rasterization::Automatic, nodes: 1 << 24 }
     }
+}
+
+/// The method `"light-caches"`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct LightCachesConfig {
+    /// Distance d_eps between a cache and the surface that it stands for, at most, metres. Triangles' edges should be no longer:
+    /// `scene.split`.
+    #[schemars(range(min = 0.001, max = 10_000))]
+    pub distance: f32,
+    /// Angle theta_eps between a cache's normal and those of its surface, degrees. Sharper surfaces have caches of their own.
+    #[schemars(range(min = 1, max = 90))]
+    pub angle_deg: f32,
+    pub occlusion: CacheOcclusion,
+    pub proxy_weights: ProxyWeights,
+    pub proxy_bound: ProxyBound,
+}
+
+impl Default for LightCachesConfig {
+    fn default() -> Self {
+        Self {
+            distance: 1.0,
+            angle_deg: 30.0,
+            occlusion: CacheOcclusion::DoubleProjection,
+            proxy_weights: ProxyWeights::FormFactor,
+            proxy_bound: ProxyBound::Extent,
+        }
+    }
+}
+
+/// How proxy lights are shadowed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CacheOcclusion {
+    /// Not at all.
+    None,
+    /// By the other caches' disks and the proxy's sphere, projected to the unit disk around a cache and compared as squares.
+    #[default]
+    DoubleProjection,
+    /// By a ray for each pair of a cache and a VAL: exact at the caches, and slow.
+    RayTraced,
+}
+
+/// What draws a proxy light towards a VAL.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ProxyWeights {
+    /// Its form factor, as in the paper: dark VALs nearby draw as much as bright ones.
+    #[default]
+    FormFactor,
+    /// The light that it gives the cache. Not in the paper.
+    Flux,
+}
+
+/// What bounds a proxy light near its place.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ProxyBound {
+    /// Its extent: squared distances grow by the variance of its VALs' places. Light at the cache is the same. Not in the paper.
+    #[default]
+    Extent,
+    /// Nothing, as in the paper: surfaces that come close to a moved proxy are far too bright.
+    None,
 }
 
 /// How VPLs that cannot shine on pixels are left out. The picture stays as it is.
@@ -207,7 +275,7 @@ impl GatherConfig {
     /// The culling of the method `"stochastic"`, where that is the method.
     pub fn stochastic_culling(&self) -> Option<StochasticCulling> {
         match self.method {
-            GatherMethod::PerPixel => None,
+            GatherMethod::PerPixel | GatherMethod::LightCaches => None,
             GatherMethod::Stochastic => Some(self.stochastic.culling),
         }
     }
@@ -232,6 +300,10 @@ impl GatherConfig {
                 return broken("gather.stochastic.bounds", message);
             }
         }
+        if gather.method == GatherMethod::LightCaches && config.visibility_methods().any(|method| method != VisibilityMethod::None) {
+            let message = "light caches have shadows of their own (gather.light_caches.occlusion); take visibility.method = \"none\"";
+            return broken("gather.method", message);
+        }
         if stochastic.receiver == Receiver::Ggx && culling != Some(StochasticCulling::Tiled) {
             return broken(
                 "gather.stochastic.receiver",
@@ -247,12 +319,16 @@ impl GatherConfig {
 
     /// Keys that are not used.
     pub(super) fn unused(config: &Config) -> Vec<Unused> {
-        match config.gather.stochastic_culling() {
-            None => vec![Unused::new(&["gather.stochastic", "gather.conservative_clusters"], &["gather.method"])],
-            Some(culling) => {
+        let of_method = |keys: &'static [&'static str]| Unused::new(keys, &["gather.method"]);
+        match (config.gather.method, config.gather.stochastic_culling()) {
+            (GatherMethod::LightCaches, _) => {
+                vec![of_method(&["gather.per_pixel", "gather.stochastic", "gather.conservative_clusters", "gather.interleave"])]
+            }
+            (_, None) => vec![of_method(&["gather.stochastic", "gather.conservative_clusters", "gather.light_caches"])],
+            (_, Some(culling)) => {
                 let tiles = Unused::new(&["gather.conservative_clusters"], &["gather.stochastic.culling"]);
                 let tiles = (culling != StochasticCulling::ConservativeClusters).then_some(tiles);
-                std::iter::once(Unused::new(&["gather.per_pixel"], &["gather.method"])).chain(tiles).collect()
+                std::iter::once(of_method(&["gather.per_pixel", "gather.light_caches"])).chain(tiles).collect()
             }
         }
     }

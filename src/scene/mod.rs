@@ -8,6 +8,7 @@ pub mod animation;
 pub mod bend;
 pub mod builder;
 pub mod builtin;
+pub mod caches;
 pub mod gltf;
 pub mod order;
 pub mod pack;

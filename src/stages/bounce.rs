@@ -326,6 +326,7 @@ fn sample(g: &mut Graph, clusters: &VplClusters, seed: u32, config: &BounceConfi
         places: g.buffer::<VplPlace>("bounce/places", count),
         intensities: g.buffer::<[f32; 3]>("bounce/intensities", count),
         areas: g.buffer::<f32>("bounce/areas", count),
+        disks: None,
         kept: None,
         lobes: None,
         diffuse: true,

@@ -22,8 +22,8 @@ pub mod vpls;
 pub mod wants;
 
 use crate::config::{
-    Collect, Config, Culling, FilterKind, GatherMethod, Importance, IsmRenderer, Layers, PointSet, Rasterization, Shadows, SkyVisibility,
-    SsaoMethod, StochasticCulling, VisibilityMethod, VplSampler,
+    CacheOcclusion, Collect, Config, Culling, FilterKind, GatherMethod, Importance, IsmRenderer, Layers, PointSet, Rasterization, Shadows,
+    SkyVisibility, SsaoMethod, StochasticCulling, VisibilityMethod, VplSampler,
 };
 use crate::scene::Light;
 use anyhow::Result;
@@ -43,6 +43,7 @@ pub fn methods() -> Vec<Method> {
         Method::every::<Collect>(),
         Method::every::<IsmRenderer>(),
         Method::every::<GatherMethod>(),
+        Method::every::<CacheOcclusion>(),
         Method::every::<Culling>(),
         Method::every::<StochasticCulling>(),
         Method::every::<Rasterization>(),
@@ -82,7 +83,7 @@ pub fn names() -> Vec<&'static str> {
 
 /// Whether a config traces rays.
 pub fn needs_rays(config: &Config) -> bool {
-    visibility::needs_rays(config) || sky::needs_rays(config) || config.direct.shadows == Shadows::RayTraced
+    visibility::needs_rays(config) || gather::needs_rays(config) || sky::needs_rays(config) || config.direct.shadows == Shadows::RayTraced
 }
 
 /// Refuses configs that the device cannot run; errors name the key.

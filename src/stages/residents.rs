@@ -1,5 +1,6 @@
 //! Resources that stages make once and keep over frames.
 
+use super::gather::caches::{self, Caches, FrameCaches};
 use super::gather::shells::{self, FrameShells, Shells};
 use super::visibility::stored::{FrameSegment, Stored};
 use super::visibility::triangles::{self, FrameTriangles, Triangles};
@@ -14,6 +15,7 @@ use std::collections::BTreeMap;
 /// One field a resource; `None` until a config needs it. The device owns the buffers.
 #[derive(Default)]
 pub struct Residents {
+    caches: Option<Caches>,
     shells: Option<Shells>,
     triangles: Option<Triangles>,
     /// Stored points by their number, and whether they are thinned.
@@ -26,6 +28,11 @@ impl Residents {
     /// # Errors
     /// The device's own, when memory runs out.
     pub fn bring(&mut self, gpu: &mut Gpu, world: &mut World, config: &Config) -> Result<()> {
+        if let Some(spacing) =
+            caches::needs_caches(config).filter(|spacing| !self.caches.as_ref().is_some_and(|there| there.are_of(*spacing)))
+        {
+            self.caches = Some(Caches::upload(gpu, world.at_rest(), spacing)?);
+        }
         if self.shells.is_none() && shells::needs_shells(config) {
             self.shells = Some(Shells::upload(gpu)?);
         }
@@ -46,6 +53,7 @@ impl Residents {
     /// Imports the residents into a frame's graph.
     pub fn import(&self, g: &mut Graph) -> FrameResidents<'_> {
         FrameResidents {
+            caches: self.caches.as_ref(),
             shells: self.shells.as_ref().map(|shells| shells.import(g)),
             triangles: self.triangles.as_ref().map(|triangles| triangles.import(g)),
             stored: &self.stored,
@@ -56,12 +64,18 @@ impl Residents {
 /// The residents in one frame's graph.
 #[derive(Clone, Copy)]
 pub struct FrameResidents<'f> {
+    caches: Option<&'f Caches>,
     shells: Option<FrameShells<'f>>,
     triangles: Option<FrameTriangles<'f>>,
     stored: &'f BTreeMap<(u32, bool), Stored>,
 }
 
 impl<'f> FrameResidents<'f> {
+    /// Light caches.
+    pub fn caches(&self, g: &mut Graph) -> FrameCaches {
+        self.caches.unwrap_or_else(|| unreachable!("caches::needs_caches says who gathers at caches")).import(g)
+    }
+
     /// Hulls of stochastic ranges.
     pub fn shells(&self) -> FrameShells<'f> {
         self.shells.unwrap_or_else(|| unreachable!("shells::needs_shells says who draws shells"))

@@ -5,6 +5,7 @@ use super::residents::FrameResidents;
 use super::rsm::Rsm;
 use super::wants::Wants;
 use crate::world::device::FrameScene;
+use crate::world::projection::View;
 use crate::world::traced::TracedHandles;
 
 /// Inputs that methods of these slots share.
@@ -14,6 +15,7 @@ pub struct Surroundings<'f> {
     pub residents: FrameResidents<'f>,
     /// Acceleration structure for rays; `None` if no method traces rays.
     pub traced: Option<&'f TracedHandles>,
+    pub view: &'f View,
     pub gbuffer: &'f GBuffer,
     pub rsm: &'f Rsm,
     pub wants: &'f Wants,

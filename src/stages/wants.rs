@@ -1,7 +1,7 @@
 //! Requirements of later stages on earlier ones: a value, so that no stage reads another's keys.
 
 use super::interleave::Interleave;
-use crate::config::{Config, Dielectric, Importance, Receiver, Reflection, VisibilityMethod, VplSampler};
+use crate::config::{Config, Dielectric, GatherMethod, Importance, Receiver, Reflection, VisibilityMethod, VplSampler};
 
 /// Requirements of later stages; computed once a frame.
 #[derive(Debug, Clone, Copy)]
@@ -12,6 +12,8 @@ pub struct Wants {
     pub glossy_receivers: bool,
     /// Texels of the RSM a VPL: the footprint over which albedo is averaged. 1 for samplers whose VPLs stand for no neighbourhood.
     pub texels_per_vpl: f64,
+    /// Areas of the VPLs' texels, for which VPLs are area lights.
+    pub disks: bool,
     /// Clusters of VPLs with their maps, even if no further bounce starts from them.
     pub clusters: bool,
     /// Visibility of the first bounce's VPLs, and of further ones.
@@ -41,6 +43,7 @@ impl Wants {
                 }
                 _ => 1.0,
             },
+            disks: config.gather.method == GatherMethod::LightCaches,
             clusters: config.visibility.method == VisibilityMethod::Clusters,
             visibility: config.visibility_of_bounces(),
             shared_maps: config.shared_maps(),

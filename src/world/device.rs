@@ -88,9 +88,11 @@ const MAPS: [(&str, &str); 4] = [
     ("normal_map", "NORMAL_MAP"),
 ];
 
-/// Maps of a material that a pass's shaders use: the first two or all four of base colour, metallic-roughness, emission, normal.
+/// Maps of a material that a pass's shaders use: the first, two or all four of base colour, metallic-roughness, emission, normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Maps {
+    /// For holes in what the camera sees.
+    Mask = 1,
     Reflection = 2,
     All = 4,
 }
@@ -334,7 +336,7 @@ impl FrameScene<'_> {
             blocks: vec![ListBlock::of::<MaterialData>("material_block", self.scene.materials, key.material)],
             constants,
             // Reflective shadow maps keep back faces: they stop light even if the camera does not see them.
-            cull_back: !key.double_sided && maps == Maps::All,
+            cull_back: !key.double_sided && maps != Maps::Reflection,
             vertex: VERTEX,
             vertices: self.vertices,
             indices: Some(self.indices),

@@ -89,6 +89,35 @@ fn culling_never_changes_the_picture_whatever_the_count_and_the_lights() {
     finish(renderer.gpu());
 }
 
+#[test]
+fn as_many_vpls_as_a_pixel_may_have_are_all_summed() {
+    let mut renderer = renderer(atrium());
+    // A view along the court, whose pixels are in many froxels.
+    let mut config = config([40, 24], [-8.2, 1.9, -6.2], [0.0, 2.2, -5.4]);
+    config.rsm.size = [512, 512];
+    config.gather.interleave = 1.into();
+    for (culling, most) in [(Culling::None, 80_000), (Culling::Tiled, 60_000), (Culling::Clustered, 2_500)] {
+        config.gather.per_pixel.culling = culling;
+        config.vpls.count = most + 1;
+        let error = renderer.check(&config).unwrap_err().to_string();
+        assert!(error.contains(&format!("over the {most} that every driver sums")), "{error}");
+        config.vpls.count = most;
+        // Sixteen sets of the same VPLs are short loops: their mean over a block is that of all.
+        let all = culled(&mut renderer, &config, culling);
+        let mut parts = config.clone();
+        parts.gather.interleave = 4.into();
+        let mean = |plane: &Plane| plane.values.iter().map(|value| f64::from(*value)).sum::<f64>();
+        let ratio = mean(&all) / mean(&culled(&mut renderer, &parts, Culling::None));
+        assert!((ratio - 1.0).abs() < 0.02, "{culling:?}, {most} VPLs: {ratio} of the light of the same in short loops");
+        if culling != Culling::None {
+            let unculled = culled(&mut renderer, &config, Culling::None);
+            let ratio = mean(&all) / mean(&unculled);
+            assert!((ratio - 1.0).abs() < 1e-4, "{culling:?}, {most} VPLs: {ratio} of the light without culling");
+        }
+    }
+    finish(renderer.gpu());
+}
+
 /// Lengths of the parts of used froxels' light lists, and the number of these froxels.
 fn lists(renderer: &mut Renderer, config: &Config) -> (Vec<u32>, usize) {
     let mut config = config.clone();

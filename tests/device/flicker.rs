@@ -180,7 +180,7 @@ fn chains_flicker_less_than_the_inverse_transform_and_err_less_than_uniform_vpls
     config.filter.kind = FilterKind::None;
     let mut every = config.clone();
     (every.vpls.sampler, every.vpls.importance) = (VplSampler::EveryTexel, Importance::None);
-    every.gather.interleave = 2.into();
+    every.gather.interleave = manylight::config::Block([4, 2]);
     renderer.check(&every).unwrap();
     let last = config.frame.count - 1;
     let truth = render(&mut renderer, &every, last).picture.unwrap().irradiance;

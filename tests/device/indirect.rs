@@ -207,7 +207,7 @@ fn a_pixel_can_take_sixty_thousand_vpls_and_no_more_than_drivers_sum() {
     let walls = walls(SIZE, ALBEDOS);
     let light = spot(Vec3::new(2.0, 2.8, 2.5), Vec3::new(0.1, -1.0, 0.2), [50.0; 3], 30.0, 40.0);
     let mut renderer = renderer(room(&walls));
-    let mut config = config(DQuat::IDENTITY, light, 65_536);
+    let mut config = config(DQuat::IDENTITY, light, 60_000);
     config.rsm.size = [256, 256];
     let mut mean = |interleave: u32| {
         config.gather.interleave = interleave.into();

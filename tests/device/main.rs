@@ -19,6 +19,7 @@ mod importance;
 mod indirect;
 mod ism;
 mod lanes;
+mod light_caches;
 #[path = "../gltf/make.rs"]
 #[allow(dead_code)] // The loader's tests use the rest.
 mod make;

@@ -2,7 +2,7 @@
 
 use super::conservative::shell_bytes;
 use super::shells::CONSERVATIVE;
-use crate::config::{Config, Culling, GatherMethod, Rasterization, Reflection, StochasticCulling};
+use crate::config::{CacheOcclusion, Config, Culling, GatherMethod, Rasterization, Reflection, StochasticCulling};
 use crate::fail;
 use crate::gpu::{Adapter, Feature};
 use crate::graph::counted;
@@ -12,8 +12,18 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// VPLs that a pixel can sum: `glsl/gather/per-pixel.glsl` takes at most two loop turns for four of them.
-const MOST_VPLS_A_PIXEL: u64 = planned_turns(50_000) * 4 / 2;
+/// VPLs that a pixel can sum. A subgroup has 4 lanes at least where loop turns are counted, and a loop's end counts as a turn. So four VPLs
+/// take three turns without culling, which is unrolled by four, and four in tiles, by two.
+///
+/// With clustered culling a subgroup goes through the light lists of all froxels that its pixels are in, at worst one for each of its 4 pixels a
+/// lane: four VPLs take four turns 16 times, or eight six turns 32 times.
+const fn most_vpls_a_pixel(culling: Culling) -> u64 {
+    match culling {
+        Culling::None => planned_turns(60_000) * 4 / 3,
+        Culling::Tiled => planned_turns(60_000),
+        Culling::Clustered => planned_turns(60_000) * 8 / 6 / 32,
+    }
+}
 
 /// Loop turns of an invocation of stochastic culling: one for each VPL of its pixel on each list, and less than one for culling.
 pub const MOST_TURNS: u64 = planned_turns(60_000);
@@ -24,6 +34,17 @@ impl Choice for GatherMethod {
     fn needs(self) -> Needs {
         match self {
             Self::PerPixel | Self::Stochastic => &[&[Feature::SubgroupBallot]],
+            Self::LightCaches => &[&[Feature::MultiDrawIndirect, Feature::ShaderDrawParameters]],
+        }
+    }
+}
+
+impl Choice for CacheOcclusion {
+    const KEY: &'static str = "gather.light_caches.occlusion";
+
+    fn needs(self) -> Needs {
+        match self {
+            Self::None | Self::DoubleProjection | Self::RayTraced => NOTHING,
         }
     }
 }
@@ -63,11 +84,21 @@ impl Choice for Rasterization {
     }
 }
 
+/// Whether a config's gather traces rays.
+pub fn needs_rays(config: &Config) -> bool {
+    config.gather.method == GatherMethod::LightCaches && config.gather.light_caches.occlusion == CacheOcclusion::RayTraced
+}
+
 /// Methods of a config's gather.
 pub fn methods(config: &Config) -> Vec<Method> {
     let gather = &config.gather;
     let culling = gather.stochastic_culling();
-    let mut methods = vec![Method::of(gather.method), culling.map_or_else(|| Method::of(gather.per_pixel.culling), Method::of)];
+    let mut methods = vec![Method::of(gather.method)];
+    match gather.method {
+        GatherMethod::PerPixel => methods.push(Method::of(gather.per_pixel.culling)),
+        GatherMethod::Stochastic => methods.extend(culling.map(Method::of)),
+        GatherMethod::LightCaches => methods.push(Method::of(gather.light_caches.occlusion)),
+    }
     if culling == Some(StochasticCulling::ConservativeClusters) {
         methods.push(Method::of(gather.conservative_clusters.rasterization));
     }
@@ -109,10 +140,11 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
                 facts.adapter.name
             ));
         }
-        if each > MOST_VPLS_A_PIXEL {
+        let most = most_vpls_a_pixel(gather.per_pixel.culling);
+        if gather.method == GatherMethod::PerPixel && each > most {
             return Err(fail!(
                 BadInput,
-                "gather.interleave: {} leaves {each} VPLs to each pixel, over the {MOST_VPLS_A_PIXEL} that every driver sums; raise it or lower {key}",
+                "gather.interleave: {} leaves {each} VPLs to each pixel, over the {most} that every driver sums with this gather.per_pixel.culling; raise it or lower {key}",
                 gather.interleave
             ));
         }

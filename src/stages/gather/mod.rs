@@ -1,13 +1,15 @@
 //! Gather: irradiance at every pixel from the VPLs.
 
+pub mod caches;
 mod conservative;
+pub mod light_caches;
 mod limits;
 pub mod shells;
 mod splatting;
 mod statistics;
 mod stochastic;
 
-pub use limits::{MOST_TURNS, check, choices, methods, warnings_of_frame};
+pub use limits::{MOST_TURNS, check, choices, methods, needs_rays, warnings_of_frame};
 pub use statistics::means;
 pub use stochastic::Roulette;
 
@@ -75,6 +77,9 @@ pub fn indirect(
     config: &GatherConfig,
 ) -> Indirect {
     match (config.method, config.stochastic.culling) {
+        (GatherMethod::LightCaches, _) => {
+            sum_of(g, around, lights, |g, vpls, _| light_caches::gathered(g, around, vpls, &config.light_caches))
+        }
         (GatherMethod::PerPixel, _) => sum_of(g, around, lights, |g, vpls, visibility| per_pixel(g, around, vpls, visibility, config)),
         (GatherMethod::Stochastic, StochasticCulling::Tiled) => {
             sum_of(g, around, lights, |g, vpls, visibility| stochastic::tiled(g, around, vpls, visibility, roulette, config))

@@ -57,6 +57,7 @@ impl Directions {
             places: g.upload("sky/places", &places),
             intensities: g.upload("sky/irradiances", &irradiances),
             areas: g.upload("sky/areas", &areas),
+            disks: None,
             kept: None,
             lobes: None,
             diffuse: true,

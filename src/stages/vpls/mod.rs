@@ -67,6 +67,9 @@ pub struct Vpls {
     /// Footprint: cross section of the beam that the VPL represents, m^2; 0 of a VPL without light, and of no other. It gives the size of
     /// disk emitters ([`Emitters::Disks`](crate::config::Emitters)).
     pub areas: Buffer,
+    /// Area of each VPL's texel across the beam, m^2, where `areas` has that of all texels that it stands for; there if
+    /// [`Wants::disks`](super::wants::Wants) says so and VPLs are of texels.
+    pub disks: Option<Buffer>,
     /// Estimated share of each VPL's light that stays in the scene; `None` if the sampler makes no estimate.
     pub kept: Option<Buffer>,
     /// Glossy VPLs at the same places, [`Lobe`]s; there if [`Wants::glossy`](super::wants::Wants) says so.
@@ -140,7 +143,7 @@ pub fn sample(g: &mut Graph, rsm: &Rsm, gbuffer: &GBuffer, wants: &Wants, config
 
 fn of_maps(g: &mut Graph, rsm: &Rsm, gbuffer: &GBuffer, wants: &Wants, config: &VplsConfig) -> Vpls {
     use VplSampler::{EveryTexel, Hammersley, InverseTransform, MetropolisHastings, Regular, Uniform};
-    let texels = Texels { rsm, diffuse: config.reflection != Reflection::Glossy };
+    let texels = Texels { rsm, disks: wants.disks, diffuse: config.reflection != Reflection::Glossy };
     let params = |count, steps| TexelParams::new(rsm.size, rsm.layers, count, steps, wants);
     let one_each = params(config.count, 1);
     match (config.sampler, config.importance) {
@@ -218,6 +221,8 @@ fn passed_flux(g: &mut Graph, rsm: &Rsm) -> Distribution {
 #[derive(Debug, Clone, Copy)]
 struct Texels<'r> {
     rsm: &'r Rsm,
+    /// Whether texels' areas are kept.
+    disks: bool,
     /// Whether diffuse VPLs shine.
     diffuse: bool,
 }
@@ -237,6 +242,7 @@ impl Texels<'_> {
             places: g.buffer::<VplPlace>("vpls/places", count),
             intensities: g.buffer::<[f32; 3]>("vpls/intensities", count),
             areas: g.buffer::<f32>("vpls/areas", count),
+            disks: self.disks.then(|| g.buffer::<f32>("vpls/disks", count)),
             kept: None,
             lobes: rsm.glossy.map(|_| g.buffer::<Lobe>("vpls/lobes", count)),
             diffuse: self.diffuse,
@@ -250,6 +256,10 @@ impl Texels<'_> {
                 .reads("rsm_lobe", texels.lobe)
                 .writes("lobes", lobes),
             _ => pass,
+        };
+        let pass = match vpls.disks {
+            Some(disks) => pass.part("disk", "vpls/disk-stored").writes("disks", disks),
+            None => pass,
         };
         pass.reads("lights", rsm.lights)
             .reads("rsm_depth", rsm.depth)

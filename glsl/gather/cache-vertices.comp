@@ -1,0 +1,98 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Proxy lights of vertices, from those of the nearest caches (Bischoff, Schwandt and Broll 2017, equations 7 to 9): an invocation a vertex of
+// an instance.
+#include "lib/light-cache.glsl"
+#include "lib/packing.glsl"
+#include "lib/pi.glsl"
+#include "lib/scene.glsl"
+#include "lib/vertex.glsl"
+#include "gather/vertex-light.glsl"
+
+layout(local_size_x = 64) in;
+
+const uint NEIGHBOURS = 16u;
+
+// Whether a proxy's extent bounds its light nearby; in the paper nothing does.
+layout(constant_id = 0) const bool BOUNDED = true;
+// Lights of a vertex: a second one for the other side.
+layout(constant_id = 1) const uint SIDES = 1u;
+
+layout(scalar, push_constant) uniform Params { uint count; } params;
+
+// A vertex of an instance.
+struct ListedVertex {
+    uint vertex;
+    uint list;
+    uint draw; // NO_CACHE if no triangle has the vertex
+    uint first_cache; // of the instance
+};
+
+layout(scalar) readonly buffer Listed { ListedVertex at[]; } listed;
+layout(scalar) readonly buffer Lists { uint at[]; } lists;
+layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
+layout(scalar) readonly buffer Vertices { Vertex at[]; } vertices;
+layout(scalar) readonly buffer Caches { LightCache at[]; } caches;
+layout(scalar) readonly buffer Proxies { ProxyLight at[]; } proxies;
+layout(scalar) writeonly buffer Lights { VertexLight at[]; } vertex_lights;
+layout(scalar) buffer Alone { uint count; } alone;
+
+#include "part/reach=gather/reach-all"
+
+void add(inout VertexLight sum, vec3 position, uint cache_number, float weight) {
+    LightCache cache = caches.at[cache_number];
+    ProxyLight proxy = proxies.at[cache_number];
+    float squared = dot(proxy.way, proxy.way), extent = BOUNDED ? proxy.extent : 0.0;
+    float cosine = dot(cache.normal, proxy.way) * inversesqrt(max(squared, 1e-30));
+    vec3 flux = vec3(0.0);
+    if (cosine > 0.0) flux = proxy.irradiance * (reach_of(cache_number) * 4.0 * PI * (squared + extent * extent) / cosine);
+    sum.way += weight * (proxy.way + (cache.position - position));
+    sum.extent += weight * extent;
+    sum.flux += weight * flux;
+}
+
+VertexLight light_at(vec3 position, vec3 normal, ListedVertex it) {
+    uint first = it.list * NEIGHBOURS;
+    float farthest = 0.0;
+    for (uint j = 0u; j < NEIGHBOURS; j++) {
+        uint neighbour = lists.at[first + j];
+        if (neighbour != NO_CACHE) farthest = max(farthest, distance(position, caches.at[it.first_cache + neighbour].position));
+    }
+    VertexLight sum = VertexLight(vec3(0.0), 0.0, vec3(0.0));
+    float weights = 0.0;
+    for (uint j = 0u; j < NEIGHBOURS; j++) {
+        uint neighbour = lists.at[first + j];
+        if (neighbour == NO_CACHE) continue;
+        uint number = it.first_cache + neighbour;
+        LightCache cache = caches.at[number];
+        float weight = (1.0 - distance(position, cache.position) / max(farthest, 1e-30)) * sqrt(max(dot(normal, cache.normal), 0.0));
+        if (!(weight > 0.0)) continue;
+        weights += weight;
+        add(sum, position, number, weight);
+    }
+    if (!(weights > 0.0)) {
+        // No neighbour has weight: the nearest one counts alone.
+        atomicAdd(alone.count, 1u);
+        uint nearest = lists.at[first];
+        if (nearest != NO_CACHE) add(sum, position, it.first_cache + nearest, 1.0);
+        return sum;
+    }
+    return VertexLight(sum.way / weights, sum.extent / weights, sum.flux / weights);
+}
+
+void main() {
+    uint i = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u + gl_LocalInvocationID.x;
+    if (i >= params.count) return;
+    ListedVertex it = listed.at[i];
+    if (it.draw == NO_CACHE) return;
+    mat4x3 transform = draws.at[it.draw].transform;
+    mat3 linear = mat3(transform);
+    mat3 cofactor = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
+    float orientation = dot(linear[0], cofactor[0]) < 0.0 ? -1.0 : 1.0;
+    Vertex vertex = vertices.at[it.vertex];
+    vec3 position = transform * vec4(vertex.position, 1.0);
+    vec3 normal = normalize(cofactor * octahedral_snorm16_inverse(vertex.normal) * orientation);
+    vertex_lights.at[i * SIDES] = light_at(position, normal, it);
+    if (SIDES == 2u && draws.at[it.draw].double_sided != 0u) vertex_lights.at[i * SIDES + 1u] = light_at(position, -normal, it);
+}
