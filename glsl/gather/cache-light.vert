@@ -15,7 +15,7 @@ layout(location = 3) in vec4 color;
 layout(location = 0) out vec2 out_uv;
 layout(location = 1) out float out_alpha;
 layout(location = 2) out vec4 out_place[2];
-layout(location = 4) out vec3 out_flux[2];
+layout(location = 4) out vec4 out_flux[2]; // and the lit share
 
 layout(scalar) uniform ViewBlock { View it; } view;
 layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
@@ -31,11 +31,11 @@ void main() {
     uint number = (firsts.at[gl_BaseInstance] + uint(gl_VertexIndex)) * SIDES;
     for (uint side = 0u; side < 2u; side++) {
         out_place[side] = vec4(0.0);
-        out_flux[side] = vec3(0.0);
+        out_flux[side] = vec4(0.0);
         if (side < SIDES) {
             VertexLight light = vertex_lights.at[number + side];
             out_place[side] = vec4(light.way, light.extent);
-            out_flux[side] = light.flux;
+            out_flux[side] = vec4(light.flux, light.lit);
         }
     }
 }

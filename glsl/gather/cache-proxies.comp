@@ -1,7 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Proxy lights: one for each cache, from all VALs (Bischoff, Schwandt and Broll 2017, equations 3 to 6, 13 and 14). A workgroup has a cache.
+// Proxy lights: one for each cache, from all VALs (Bischoff, Schwandt and Broll 2017, equations 3, 5, 6, 13 and 14, for diffuse
+// light). A workgroup has a cache.
 #include "lib/light-cache.glsl"
 #include "lib/packing.glsl"
 #include "lib/pi.glsl"
@@ -48,13 +49,13 @@ void main() {
         float squared = dot(way, way);
         float to = dot(cache.normal, way), from = -dot(octahedral_snorm16_inverse(place.normal), way);
         if (!(beam > 0.0 && to > 0.0 && from > 0.0) || !is_seen(number, i, params.count)) continue;
-        float disk = disk_of(i, beam);
+        vec2 disk = disk_of(i, beam);
         // The form factor over the disk's area.
-        float form = to * from / (squared * (disk + PI * squared));
+        float form = to * from / (squared * (disk.x + PI * squared));
         vec3 intensity = intensities.at[i];
         sum.irradiance += (PI * form) * intensity;
-        // A VAL that was drawn with probability P stands for beam / disk = 1 / P of them (equation 13).
-        float weight = BY_FLUX ? form * dot(intensity, vec3(0.2126, 0.7152, 0.0722)) : disk * form * (beam / disk);
+        // A VAL that was drawn with probability P stands for 1 / P of them (equation 13).
+        float weight = form * (BY_FLUX ? dot(intensity, vec3(0.2126, 0.7152, 0.0722)) : disk.y);
         sum.weight += weight;
         sum.way += weight * way;
         sum.squares += weight * way * way;

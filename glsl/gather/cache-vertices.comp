@@ -40,26 +40,32 @@ layout(scalar) buffer Alone { uint count; } alone;
 
 #include "part/reach=gather/reach-all"
 
+// Adds a cache's proxy. A dark one has no place, and counts among the fluxes alone.
 void add(inout VertexLight sum, vec3 position, uint cache_number, float weight) {
     LightCache cache = caches.at[cache_number];
     ProxyLight proxy = proxies.at[cache_number];
     float squared = dot(proxy.way, proxy.way), extent = BOUNDED ? proxy.extent : 0.0;
     float cosine = dot(cache.normal, proxy.way) * inversesqrt(max(squared, 1e-30));
-    vec3 flux = vec3(0.0);
-    if (cosine > 0.0) flux = proxy.irradiance * (reach_of(cache_number) * 4.0 * PI * (squared + extent * extent) / cosine);
+    if (!(cosine > 0.0) || all(equal(proxy.irradiance, vec3(0.0)))) return;
     sum.way += weight * (proxy.way + (cache.position - position));
     sum.extent += weight * extent;
-    sum.flux += weight * flux;
+    sum.flux += (weight * reach_of(cache_number) * 4.0 * PI * (squared + extent * extent) / cosine) * proxy.irradiance;
+    sum.lit += weight;
 }
 
 VertexLight light_at(vec3 position, vec3 normal, ListedVertex it) {
     uint first = it.list * NEIGHBOURS;
     float farthest = 0.0;
+    // The nearest cache that faces the same side, for where none has weight.
+    uint nearest = NO_CACHE;
     for (uint j = 0u; j < NEIGHBOURS; j++) {
         uint neighbour = lists.at[first + j];
-        if (neighbour != NO_CACHE) farthest = max(farthest, distance(position, caches.at[it.first_cache + neighbour].position));
+        if (neighbour == NO_CACHE) continue;
+        LightCache cache = caches.at[it.first_cache + neighbour];
+        farthest = max(farthest, distance(position, cache.position));
+        if (nearest == NO_CACHE && dot(normal, cache.normal) > 0.0) nearest = it.first_cache + neighbour;
     }
-    VertexLight sum = VertexLight(vec3(0.0), 0.0, vec3(0.0));
+    VertexLight sum = VertexLight(vec3(0.0), 0.0, vec3(0.0), 0.0);
     float weights = 0.0;
     for (uint j = 0u; j < NEIGHBOURS; j++) {
         uint neighbour = lists.at[first + j];
@@ -72,13 +78,11 @@ VertexLight light_at(vec3 position, vec3 normal, ListedVertex it) {
         add(sum, position, number, weight);
     }
     if (!(weights > 0.0)) {
-        // No neighbour has weight: the nearest one counts alone.
         atomicAdd(alone.count, 1u);
-        uint nearest = lists.at[first];
-        if (nearest != NO_CACHE) add(sum, position, it.first_cache + nearest, 1.0);
+        if (nearest != NO_CACHE) add(sum, position, nearest, 1.0);
         return sum;
     }
-    return VertexLight(sum.way / weights, sum.extent / weights, sum.flux / weights);
+    return VertexLight(sum.way / weights, sum.extent / weights, sum.flux / weights, sum.lit / weights);
 }
 
 void main() {
@@ -94,5 +98,6 @@ void main() {
     vec3 position = transform * vec4(vertex.position, 1.0);
     vec3 normal = normalize(cofactor * octahedral_snorm16_inverse(vertex.normal) * orientation);
     vertex_lights.at[i * SIDES] = light_at(position, normal, it);
-    if (SIDES == 2u && draws.at[it.draw].double_sided != 0u) vertex_lights.at[i * SIDES + 1u] = light_at(position, -normal, it);
+    // Draws of one and of two sides may share a vertex.
+    if (SIDES == 2u) vertex_lights.at[i * SIDES + 1u] = light_at(position, -normal, it);
 }

@@ -86,6 +86,14 @@ float texel_beam(Light light, vec2 ndc, vec3 position) {
     return texel_solid_angle(light.texel_area, t) * dot(way, way);
 }
 
+// Area of a texel across the map's axis at a surface's distance, m^2 (Bischoff, Schwandt and Broll 2017, equation 1).
+float texel_disk(Light light, vec2 ndc, vec3 position) {
+    if (light.kind == DIRECTIONAL) return light.texel_area;
+    vec2 t = ndc * vec2(length(light.right), length(light.up));
+    vec3 way = position - light.origin;
+    return light.texel_area * dot(way, way) / (1.0 + dot(t, t));
+}
+
 // Unshadowed irradiance of one light on a surface that faces it, W/m^2.
 vec3 light_irradiance(Light light, vec3 position, out vec3 to_light) {
     if (light.kind == DIRECTIONAL) {

@@ -77,9 +77,12 @@ vec3 reflected(Surface s, vec3 l, vec3 v) {
 
 float density(Surface s, vec3 l, vec3 v) { return brdf_density(s.metallic, s.roughness, GLOSSY_DIELECTRIC, s.normal, l, v); }
 
-// One light, sampled in proportion to its unshadowed light on the surface. Returns its unshadowed contribution, direction and distance.
+// One light: half of the samples are in proportion to the lights' unshadowed light on the surface, and half are even among those that shine
+// on it, or a sun that is in shadow would take nearly all. Returns its unshadowed contribution, direction and distance.
 vec3 sample_lights(Surface s, vec3 v, float u, out vec3 to_light, out float distance) {
-    float sum = 0.0, chosen_weight = 0.0;
+    bool evenly = u < 0.5;
+    u = evenly ? 2.0 * u : 2.0 * u - 1.0;
+    float sum = 0.0, count = 0.0, total = 0.0, chosen_weight = 0.0;
     vec3 chosen = vec3(0.0);
     to_light = s.normal;
     distance = 0.0;
@@ -91,7 +94,10 @@ vec3 sample_lights(Surface s, vec3 v, float u, out vec3 to_light, out float dist
         float weight = max(dot(s.normal, l), 0.0) * luminance(arriving);
         if (weight > 0.0) {
             sum += weight;
-            float p = weight / sum;
+            count += 1.0;
+            float own = evenly ? 1.0 : weight;
+            total += own;
+            float p = own / total;
             if (u < p) {
                 u /= p;
                 chosen = arriving;
@@ -104,7 +110,8 @@ vec3 sample_lights(Surface s, vec3 v, float u, out vec3 to_light, out float dist
             u = min(u, 0.99999994);
         }
     }
-    return chosen_weight > 0.0 ? chosen * (sum / chosen_weight) * reflected(s, to_light, v) : vec3(0.0);
+    if (chosen_weight <= 0.0) return vec3(0.0);
+    return chosen * reflected(s, to_light, v) / (0.5 * chosen_weight / sum + 0.5 / count);
 }
 
 // One point of an emitting surface. Returns its unshadowed contribution, MIS weight included.

@@ -1,4 +1,4 @@
 // VPLs with the area of their texel.
-layout(scalar) writeonly buffer Disks { float at[]; } disks;
+layout(scalar) writeonly buffer Disks { vec2 at[]; } disks;
 
-void put_disk(uint index, float area) { disks.at[index] = area; }
+void put_disk(uint index, vec2 areas) { disks.at[index] = areas; }

@@ -36,8 +36,8 @@ void put(uint index, ivec3 at, float texels) {
         vec2 ndc = (vec2(at.xy) + 0.5) / vec2(params.size) * 2.0 - 1.0;
         place.position = light_position(lights.at[at.z], ndc, depth);
         place.normal = octahedral_snorm16(octahedral_inverse(texelFetch(rsm_normal, at, 0).xy));
-        disk = texel_beam(lights.at[at.z], ndc, place.position);
-        area = texels * disk;
+        disk = texel_disk(lights.at[at.z], ndc, place.position);
+        area = texels * texel_beam(lights.at[at.z], ndc, place.position);
         intensity = texelFetch(rsm_flux, at, 0).rgb * texelFetch(rsm_albedo, at, 0).rgb * (texels / PI);
     }
     bool glossy = put_lobe(index, depth > 0.0 ? at : ivec3(-1), texels, place.position);
@@ -45,6 +45,6 @@ void put(uint index, ivec3 at, float texels) {
     places.at[index] = place;
     intensities.at[index] = intensity;
     areas.at[index] = area;
-    put_disk(index, disk);
+    put_disk(index, vec2(disk, texels * disk));
     if (area > 0.0) atomicAdd(lit.count, 1u);
 }

@@ -15,7 +15,7 @@ use crate::renderer::{Renderer, needs};
 use crate::stages;
 use crate::tables::folders::{WALKS, begin, is_current, reference_folder, run_folder};
 use crate::tables::{Names, Plan, Run, Table, cells, print, read, sheet};
-use crate::walk::flicker_of_walk;
+use crate::walk::{flicker_of_walk, stands_still};
 use crate::world::Needs;
 use anyhow::{Context, Result};
 use std::collections::BTreeMap;
@@ -163,6 +163,10 @@ impl Session<'_> {
         let execution = setup::execution(config, &open.renderer);
         let measured = frames.run(&mut open.renderer, config, &execution, None, &mut |_, _| Ok(()))?;
         if !run.walks.is_empty() {
+            if stands_still(config) && !open.renderer.world().moves() {
+                let message = "nothing moves, so that nothing flickers; camera.keyframes, the keyframes of a light or an animation of the scene make a walk";
+                progress.warn(&format!("{}: {}: {message}", table.name, run.label));
+            }
             let mut walks = BTreeMap::new();
             for (name, layer) in &run.walks {
                 let walk = flicker_of_walk(&mut open.renderer, config, *layer, None, &Execution::default(), &mut |_| {

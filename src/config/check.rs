@@ -83,6 +83,10 @@ fn value(node: &Node, info: &KeyInfo, path: &str) -> Result<()> {
             table(inner, &info.key, path)?;
             needs(node, inner, &info.key, path, None)?;
         }
+        (Kind::Tables, Value::Table(_)) => {
+            let message = format_args!("expects {}, found {}; each begins with [[{path}]]", info.kind.expects(), node.found());
+            return Err(error(&node.origin, path, message));
+        }
         (Kind::Text, Value::Text(text)) => {
             if text.is_empty() {
                 return Err(error(&node.origin, path, "is empty"));

@@ -114,7 +114,8 @@ pub struct LightCachesConfig {
     /// `scene.split`.
     #[schemars(range(min = 0.001, max = 10_000))]
     pub distance: f32,
-    /// Angle theta_eps between a cache's normal and those of its surface, degrees. Sharper surfaces have caches of their own.
+    /// Angle theta_eps between the normals of a surface that one cache stands for and their middle, degrees, about. Surface that bends more
+    /// has several caches.
     #[schemars(range(min = 1, max = 90))]
     pub angle_deg: f32,
     pub occlusion: CacheOcclusion,
@@ -322,7 +323,7 @@ impl GatherConfig {
         let of_method = |keys: &'static [&'static str]| Unused::new(keys, &["gather.method"]);
         match (config.gather.method, config.gather.stochastic_culling()) {
             (GatherMethod::LightCaches, _) => {
-                vec![of_method(&["gather.per_pixel", "gather.stochastic", "gather.conservative_clusters", "gather.interleave"])]
+                vec![of_method(&["gather.per_pixel", "gather.stochastic", "gather.conservative_clusters"])]
             }
             (_, None) => vec![of_method(&["gather.stochastic", "gather.conservative_clusters", "gather.light_caches"])],
             (_, Some(culling)) => {

@@ -1,5 +1,6 @@
 //! Resources that stages make once and keep over frames.
 
+use super::gather;
 use super::gather::caches::{self, Caches, FrameCaches};
 use super::gather::shells::{self, FrameShells, Shells};
 use super::visibility::stored::{FrameSegment, Stored};
@@ -8,7 +9,7 @@ use crate::config::{Collect, Config};
 use crate::gpu::Gpu;
 use crate::graph::{Buffer, Graph};
 use crate::trace;
-use crate::world::World;
+use crate::world::{Lighting, World};
 use anyhow::Result;
 use std::collections::BTreeMap;
 
@@ -31,7 +32,14 @@ impl Residents {
         if let Some(spacing) =
             caches::needs_caches(config).filter(|spacing| !self.caches.as_ref().is_some_and(|there| there.are_of(*spacing)))
         {
+            if let Some(caches) = self.caches.take() {
+                caches.free(gpu);
+            }
             self.caches = Some(Caches::upload(gpu, world.at_rest(), spacing)?);
+        }
+        if let Some(caches) = self.caches.as_ref().filter(|_| gather::needs_rays(config)) {
+            let maps = Lighting::of(config, world, &gpu.adapter, 0)?.projectors.len() as u32;
+            caches.check_rays(&gpu.adapter, config.vpl_count(maps))?;
         }
         if self.shells.is_none() && shells::needs_shells(config) {
             self.shells = Some(Shells::upload(gpu)?);

@@ -6,9 +6,12 @@ use glam::{DVec3, Mat3, Vec3};
 use manylight::config::{CacheOcclusion, Config, GatherMethod, Importance, LightConfig, ProxyBound, VplSampler};
 use manylight::graph::{Engine, Execution, Graph, Library};
 use manylight::renderer::Renderer;
-use manylight::scene::{Material, pack};
-use manylight::stages::gather::light_caches::{OcclusionParams, PlacedLightCache, ProxyLight};
+use manylight::scene::caches::NONE;
+use manylight::scene::{Material, Vertex, pack};
+use manylight::stages::gather::caches::ListedVertex;
+use manylight::stages::gather::light_caches::{CountParams, OcclusionParams, PlacedLightCache, ProxyLight, VertexLight};
 use manylight::stages::vpls::VplPlace;
+use manylight::world::device::DrawData;
 use serde_json::json;
 use std::f64::consts::PI;
 
@@ -51,7 +54,8 @@ fn every_cache_has_the_irradiance_of_all_area_lights() {
         let proxies: Vec<ProxyLight> = pod(&rendered, "gather/proxies");
         let places: Vec<VplPlace> = pod(&rendered, "vpls/places");
         let intensities: Vec<[f32; 3]> = pod(&rendered, "vpls/intensities");
-        let [areas, disks]: [Vec<f32>; 2] = [pod(&rendered, "vpls/areas"), pod(&rendered, "vpls/disks")];
+        let areas: Vec<f32> = pod(&rendered, "vpls/areas");
+        let disks: Vec<[f32; 2]> = pod(&rendered, "vpls/disks");
         let mut lit = 0;
         for (cache, proxy) in caches.iter().zip(&proxies) {
             let at = Vec3::from(cache.position).as_dvec3();
@@ -61,9 +65,9 @@ fn every_cache_has_the_irradiance_of_all_area_lights() {
                 let d = Vec3::from(places[i].position).as_dvec3() - at;
                 let facing = pack::octahedral_snorm16_inverse(places[i].normal).as_dvec3();
                 let cosines = d.dot(normal).max(0.0) * (-d.dot(facing)).max(0.0) / d.length_squared();
-                let form = cosines / (f64::from(disks[i]) + PI * d.length_squared());
+                let form = cosines / (f64::from(disks[i][0]) + PI * d.length_squared());
                 irradiance += PI * form * Vec3::from(intensities[i]).as_dvec3();
-                let weight = f64::from(areas[i]) * form;
+                let weight = f64::from(disks[i][1]) * form;
                 weights += weight;
                 way += weight * d;
             }
@@ -163,6 +167,60 @@ fn double_projection_hides_what_is_between() {
         println!("{what}: {seen:?}");
         assert!(seen.iter().all(|seen| (seen - expected).abs() <= tolerance), "{what}: {seen:?} instead of {expected}");
     }
+}
+
+/// Light of a vertex at the origin, which faces up, on its own surface: its caches have these places, all face up, and have proxies at these
+/// ways and this irradiance.
+fn light_of_vertex(caches: &[(Vec3, Vec3, f32)]) -> f64 {
+    let mut engine = Engine::new(gpu(), Library::new().unwrap());
+    let mut g = Graph::new();
+    let up = pack::octahedral_snorm16(Vec3::Y);
+    let list: [u32; 16] = std::array::from_fn(|i| if i < caches.len() { i as u32 } else { NONE });
+    let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
+    let place = |(position, ..): &(Vec3, Vec3, f32)| PlacedLightCache {
+        position: (*position).into(),
+        area: 1.0,
+        normal: [0.0, 1.0, 0.0],
+        one_of_two: 0,
+    };
+    let proxy = |(_, way, light): &(Vec3, Vec3, f32)| ProxyLight { way: (*way).into(), extent: 0.0, irradiance: [*light; 3] };
+    let buffers = [
+        ("listed", g.upload("test/listed", &[ListedVertex { vertex: 0, list: 0, draw: 0, first_cache: 0 }])),
+        ("lists", g.upload("test/lists", &list)),
+        ("draws", g.upload("test/draws", &[DrawData { transform, material: 0, double_sided: 0 }])),
+        ("vertices", g.upload("test/vertices", &[Vertex { position: [0.0; 3], normal: up, uv: [0.0; 2], color: 0, tangent: 0 }])),
+        ("caches", g.upload("test/caches", &caches.iter().map(place).collect::<Vec<_>>())),
+        ("proxies", g.upload("test/proxies", &caches.iter().map(proxy).collect::<Vec<_>>())),
+    ];
+    let lights = g.buffer::<VertexLight>("test/lights", 1);
+    let alone = g.count("test/alone");
+    let mut pass = g.compute("gather/cache-vertices").writes("vertex_lights", lights).updates("alone", alone);
+    for (binding, buffer) in buffers {
+        pass = pass.reads(binding, buffer);
+    }
+    pass.constant("BOUNDED", true).constant("SIDES", 1u32).params(&CountParams { count: 1 }).dispatch_groups([1, 1, 1]);
+    let read = g.read_back(lights);
+    let outcome = engine.execute(&g, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
+    let light: VertexLight = bytemuck::pod_read_unaligned(outcome.bytes(read));
+    finish(&engine.gpu);
+    let way = Vec3::from(light.way).as_dvec3() / f64::from(light.lit).max(1e-20);
+    f64::from(light.flux[0]) * way.y.max(0.0) / (4.0 * PI * way.length().powi(3)).max(1e-20)
+}
+
+#[test]
+fn vertices_have_the_mean_of_equal_caches_and_dark_ones_take_their_share() {
+    // A farther cache has no weight, and gives the others theirs.
+    let far = (Vec3::new(0.0, 0.0, 100.0), Vec3::new(0.0, 1.0, -100.0), 1.0);
+    let lamp = Vec3::new(0.0, 1000.0, 0.0);
+    let at = |x: f32, light: f32| (Vec3::new(x, 0.0, 0.0), lamp - Vec3::new(x, 0.0, 0.0), light);
+    for (lit, dark) in [(1, 0), (4, 0), (1, 1), (3, 1), (1, 3), (1, 9)] {
+        let mut caches: Vec<_> = (0..lit).map(|_| at(1.0, 2.0)).collect();
+        caches.extend((0..dark).map(|_| (Vec3::new(-1.0, 0.0, 0.0), Vec3::ZERO, 0.0)));
+        caches.push(far);
+        let (found, expected) = (light_of_vertex(&caches), 2.0 * f64::from(lit) / f64::from(lit + dark));
+        assert!((found / expected - 1.0).abs() < 1e-3, "{lit} lit and {dark} dark caches give {found} instead of {expected}");
+    }
+    assert_eq!(light_of_vertex(&[(Vec3::X, Vec3::ZERO, 0.0), far]), 0.0, "a vertex whose caches are all dark");
 }
 
 #[test]

@@ -423,3 +423,22 @@ fn paths_are_the_same_however_the_work_is_cut_up() {
         assert!(more.layer(layer) == whole.layer(layer), "{layer:?}");
     }
 }
+
+#[test]
+fn a_sun_that_is_in_shadow_takes_no_lamp_its_samples() {
+    // A roof keeps a strong sun off a floor, which a weak lamp under it lights.
+    let shaded = [(floor(Vec3::ZERO, 4.0), matte([0.5; 3])), (floor(Vec3::new(0.0, 3.0, 0.0), 40.0), matte([0.5; 3]))];
+    let mut renderer = traced(scene_of(&shaded));
+    let lamp = spot(Vec3::new(0.0, 2.0, 0.0), Vec3::NEG_Y, [2.0; 3], 60.0, 75.0);
+    let sun = directional(Vec3::new(0.1, -1.0, 0.0), [500.0; 3]);
+    let mut config = plain([32, 32], Vec3::new(0.0, 1.5, 1.0), Vec3::ZERO, 60.0, lamp);
+    let alone = reference(&mut renderer, &config, centered(0), 1).mean(Sum::Direct);
+    config.light.push(sun);
+    let beside = reference(&mut renderer, &config, centered(0), 64).mean(Sum::Direct);
+    finish(renderer.gpu());
+    let ratio = mean(&beside, |_| true) / mean(&alone, |_| true);
+    assert!((ratio - 1.0).abs() < 0.03, "the lamp has {ratio} of its light beside a sun");
+    // A sample is the lamp's with a probability of a quarter at least.
+    let dark = beside.iter().zip(&alone).filter(|(beside, alone)| alone[0] > 0.0 && beside[0] == 0.0).count();
+    assert_eq!(dark, 0, "pixels never met the lamp in 64 samples");
+}

@@ -110,7 +110,7 @@ fn every_mistake_gets_a_sentence_with_file_line_and_key() {
         ("[vpls]\ncount = 1.5", "x.toml:2: vpls.count: expects a whole number, found the number 1.5"),
         ("gather = 3", "x.toml:1: gather: expects a table, found the whole number 3"),
         ("[[gather]]", "x.toml:1: gather: expects a table, found a list of 1"),
-        ("[light]\nkind = \"spot\"", "x.toml:1: light: expects a list of tables, found a table"),
+        ("[light]\nkind = \"spot\"", "x.toml:1: light: expects a list of tables, found a table; each begins with [[light]]"),
         ("light = [3]", "x.toml:1: light.0: expects a table, found the whole number 3"),
         ("[frame]\nsize = 512", "x.toml:2: frame.size: expects [width, height], two whole numbers, found the whole number 512"),
         ("[frame]\nsize = [1, 2, 3]", "x.toml:2: frame.size: expects [width, height], two whole numbers, found a list of 3"),

@@ -6,7 +6,7 @@ use crate::scene::pack::octahedral_snorm16_inverse;
 use crate::scene::{Draw, Scene};
 use blake3::Hash;
 use glam::Vec3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A model as its first instance stands at second 0 of the animation, in the world.
 #[derive(Debug, Default)]
@@ -34,7 +34,7 @@ enum Tie {
     Still,
     /// The moving node that they hang on.
     Node(usize),
-    /// The bits of their transform: draws that stand still, whose triangles are drawn elsewhere too.
+    /// The bits of their transform: draws that stand still, whose vertices are drawn elsewhere too.
     Place([u32; 12]),
     /// Nothing: the draw bends.
     Alone(usize),
@@ -51,13 +51,17 @@ fn range(draw: &Draw) -> Range {
 pub(super) fn models(scene: &Scene) -> Vec<Model> {
     let hung = scene.animation.iter().flat_map(|animation| &animation.draws);
     let nodes: BTreeMap<usize, usize> = hung.map(|hung| (hung.index, hung.node)).collect();
-    let mut uses: BTreeMap<Range, u32> = BTreeMap::new();
-    scene.draws.iter().for_each(|draw| *uses.entry(range(draw)).or_default() += 1);
+    // Vertices that stand in several places have a list in each.
+    let bits = |draw: &Draw| draw.transform.to_cols_array().map(f32::to_bits);
+    let mut places: BTreeMap<u32, BTreeSet<[u32; 12]>> = BTreeMap::new();
+    for draw in &scene.draws {
+        places.entry(draw.vertex_offset).or_default().insert(bits(draw));
+    }
     let tie = |number: usize, draw: &Draw| match nodes.get(&number) {
         Some(node) => Tie::Node(*node),
         None if scene.bending.as_ref().is_some_and(|bending| bending.mesh_of(draw).is_some()) => Tie::Alone(number),
-        None if uses[&range(draw)] == 1 => Tie::Still,
-        None => Tie::Place(draw.transform.to_cols_array().map(f32::to_bits)),
+        None if places[&draw.vertex_offset].len() == 1 => Tie::Still,
+        None => Tie::Place(bits(draw)),
     };
     let mut tied: BTreeMap<Tie, Vec<u32>> = BTreeMap::new();
     for (number, draw) in scene.draws.iter().enumerate().filter(|(_, draw)| draw.index_count > 0) {

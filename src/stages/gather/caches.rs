@@ -1,7 +1,7 @@
 //! Light caches on the device: made once, and kept over frames.
 
 use crate::config::{Config, GatherMethod};
-use crate::gpu::{BufferId, Gpu};
+use crate::gpu::{Adapter, BufferId, Gpu};
 use crate::graph::{Buffer, Graph};
 use crate::scene::Scene;
 use crate::scene::caches::{LightCache, LightCaches, NEIGHBOURS, NONE, Spacing};
@@ -80,8 +80,8 @@ impl Caches {
         let caches = LightCaches::of(scene, spacing, cache::user())?;
         let host = Host::of(scene, &caches);
         let limit = gpu.adapter.limits.storage_buffer_bytes;
-        // A vertex light has 28 bytes, and a vertex has two of them at most.
-        let bytes = (56 * host.listed.len()).max(size_of_val(host.lists.as_slice())) as u64;
+        // A vertex light has 32 bytes, and a vertex has two of them at most.
+        let bytes = (64 * host.listed.len()).max(size_of_val(host.lists.as_slice())) as u64;
         let bytes = bytes.max(size_of_val(scene.vertices.as_slice()) as u64);
         if bytes > limit {
             return Err(fail!(
@@ -105,6 +105,33 @@ impl Caches {
             firsts: fill("light-caches/firsts", bytemuck::cast_slice(&host.firsts), host.firsts.len())?,
             two_sided: caches.models.iter().flat_map(|model| &model.caches).any(|cache| cache.one_of_two != 0),
         })
+    }
+
+    /// Frees the buffers.
+    pub fn free(self, gpu: &mut Gpu) {
+        for (id, _) in [self.model_caches, self.placed, self.lists, self.listed, self.firsts] {
+            gpu.free_buffer(id);
+        }
+    }
+
+    /// Refuses more rays than a buffer has bits for: one for each pair of a cache and a VPL.
+    ///
+    /// # Errors
+    /// `BadInput`, with the key.
+    pub fn check_rays(&self, adapter: &Adapter, vpls: u32) -> Result<()> {
+        let bytes = 4 * u64::from(self.placed.1) * u64::from(vpls.div_ceil(32));
+        let limit = adapter.limits.storage_buffer_bytes.min(4 * u64::from(u32::MAX));
+        if bytes > limit {
+            return Err(fail!(
+                BadInput,
+                "gather.light_caches.occlusion: rays between {} caches and {vpls} VPLs need {} MB, over the {} MB that {} lets a shader see; lower vpls.count or raise gather.light_caches.distance",
+                self.placed.1,
+                bytes >> 20,
+                limit >> 20,
+                adapter.name
+            ));
+        }
+        Ok(())
     }
 
     /// Whether these are the caches of a spacing.

@@ -3,8 +3,8 @@
 //!
 //! A cache's proxy light stands for all VALs: it is at their mean place, weighted by form factors, and has the flux that gives the cache its
 //! irradiance. A vertex has the mean of the proxies of its 16 nearest caches, weighted as in equation 8, by place relative to the vertex and by
-//! flux; over a triangle both are linear. So a pixel uses the neighbours of its triangle's three corners, and light is continuous from
-//! triangle to triangle.
+//! flux; over a triangle both are linear, which is ours. So a pixel uses the neighbours of its triangle's three corners, and light is
+//! continuous from triangle to triangle.
 
 use super::super::interleave::Interleave;
 use super::super::surroundings::Surroundings;
@@ -38,10 +38,12 @@ shader_struct! {
         pub way: [f32; 3],
         pub extent: f32,
         pub flux: [f32; 3],
+        pub lit: f32,
     }
 
-    struct CountParams {
-        count: u32,
+    /// Of passes over caches, and over vertices.
+    pub struct CountParams {
+        pub count: u32,
     }
 
     struct ProxiesParams {

@@ -67,7 +67,7 @@ pub struct Vpls {
     /// Footprint: cross section of the beam that the VPL represents, m^2; 0 of a VPL without light, and of no other. It gives the size of
     /// disk emitters ([`Emitters::Disks`](crate::config::Emitters)).
     pub areas: Buffer,
-    /// Area of each VPL's texel across the beam, m^2, where `areas` has that of all texels that it stands for; there if
+    /// Area of each VPL's texel across the map's axis, and of all texels that it stands for, m^2: two floats each; there if
     /// [`Wants::disks`](super::wants::Wants) says so and VPLs are of texels.
     pub disks: Option<Buffer>,
     /// Estimated share of each VPL's light that stays in the scene; `None` if the sampler makes no estimate.
@@ -242,7 +242,7 @@ impl Texels<'_> {
             places: g.buffer::<VplPlace>("vpls/places", count),
             intensities: g.buffer::<[f32; 3]>("vpls/intensities", count),
             areas: g.buffer::<f32>("vpls/areas", count),
-            disks: self.disks.then(|| g.buffer::<f32>("vpls/disks", count)),
+            disks: self.disks.then(|| g.buffer::<[f32; 2]>("vpls/disks", count)),
             kept: None,
             lobes: rsm.glossy.map(|_| g.buffer::<Lobe>("vpls/lobes", count)),
             diffuse: self.diffuse,
