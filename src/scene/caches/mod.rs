@@ -37,7 +37,7 @@ const VERSION: u32 = 1;
 pub struct Spacing {
     /// Distance d_eps between a cache and the surface that it stands for, at most, metres.
     pub distance: f32,
-    /// Angle theta_eps between their normals, radians.
+    /// Angle theta_eps between the normals of surface that is averaged for a cache and their middle, at most, radians.
     pub angle: f32,
 }
 
@@ -89,7 +89,7 @@ impl LightCaches {
             return Ok(caches);
         }
         let caches = Self::make(scene, models, spacing)?;
-        // The shaders' folder is the same, and has warned.
+        // A failure is ignored: the next start makes the caches anew, and nothing else changes.
         let _ = kept.write("light-caches", &key, &caches.to_bytes());
         Ok(caches)
     }

@@ -178,6 +178,11 @@ fn caches_come_back_from_their_file_and_a_damaged_file_is_made_anew() {
     moved.vertices[0].position[0] += 0.1;
     LightCaches::of(&moved, spacing(1.0), &kept).unwrap();
     assert_eq!(files().len(), 3);
+    // What was kept is read, whatever it is.
+    let key = models::key(&scene, &models::models(&scene), spacing(1.0), VERSION);
+    let other = made(&scene, 2.0);
+    assert_eq!(kept.write("light-caches", &key, &other.to_bytes()), None);
+    assert_eq!(LightCaches::of(&scene, spacing(1.0), &kept).unwrap(), other);
     for file in files() {
         std::fs::write(file, b"cut").unwrap();
     }

@@ -2,23 +2,13 @@
 
 use crate::config::{Config, GatherMethod};
 use crate::gpu::{Adapter, BufferId, Gpu};
-use crate::graph::{Buffer, Graph};
+use crate::graph::{Buffer, Graph, Member, ShaderStruct};
 use crate::scene::Scene;
 use crate::scene::caches::{LightCache, LightCaches, NEIGHBOURS, NONE, Spacing};
 use crate::{cache, fail, shader_struct, trace};
 use anyhow::Result;
 
 shader_struct! {
-    /// A cache of a model, as [`LightCache`]: `glsl/gather/cache-places.comp`.
-    pub struct ModelCache {
-        pub corners: [u32; 3],
-        pub draw: u32,
-        pub weights: [f32; 2],
-        pub normal: [f32; 3],
-        pub share: f32,
-        pub one_of_two: u32,
-    }
-
     /// A cache of an instance.
     pub struct PlacedCache {
         pub model_cache: u32,
@@ -36,6 +26,22 @@ shader_struct! {
     }
 }
 
+/// Layout for passes that place caches; the host's own type is plain data.
+impl ShaderStruct for LightCache {
+    const NAME: &'static str = "ModelCache";
+    const MEMBERS: &'static [Member] = {
+        use std::mem::offset_of;
+        &[
+            Member { name: "corners", offset: offset_of!(LightCache, corners), bytes: 12 },
+            Member { name: "draw", offset: offset_of!(LightCache, draw), bytes: 4 },
+            Member { name: "weights", offset: offset_of!(LightCache, weights), bytes: 8 },
+            Member { name: "normal", offset: offset_of!(LightCache, normal), bytes: 12 },
+            Member { name: "share", offset: offset_of!(LightCache, share), bytes: 4 },
+            Member { name: "one_of_two", offset: offset_of!(LightCache, one_of_two), bytes: 4 },
+        ]
+    };
+}
+
 /// Caches of a scene. The device owns the buffers.
 pub struct Caches {
     spacing: Spacing,
@@ -50,7 +56,7 @@ pub struct Caches {
 /// The caches in one frame's graph.
 #[derive(Debug, Clone, Copy)]
 pub struct FrameCaches {
-    /// [`ModelCache`]s.
+    /// [`LightCache`]s.
     pub model_caches: Buffer,
     /// [`PlacedCache`] of each cache in the world.
     pub placed: Buffer,
@@ -142,7 +148,7 @@ impl Caches {
     /// Imports the caches into a frame's graph.
     pub fn import(&self, g: &mut Graph) -> FrameCaches {
         FrameCaches {
-            model_caches: g.import_buffer::<ModelCache>("light-caches/of-models", self.model_caches.0, self.model_caches.1),
+            model_caches: g.import_buffer::<LightCache>("light-caches/of-models", self.model_caches.0, self.model_caches.1),
             placed: g.import_buffer::<PlacedCache>("light-caches/placed", self.placed.0, self.placed.1),
             lists: g.import_buffer::<u32>("light-caches/lists", self.lists.0, self.lists.1),
             listed: g.import_buffer::<ListedVertex>("light-caches/listed", self.listed.0, self.listed.1),
@@ -154,7 +160,7 @@ impl Caches {
 
 /// Contents of the buffers, none of which is empty.
 struct Host {
-    model_caches: Vec<ModelCache>,
+    model_caches: Vec<LightCache>,
     placed: Vec<PlacedCache>,
     lists: Vec<[u32; NEIGHBOURS]>,
     listed: Vec<ListedVertex>,
@@ -172,7 +178,7 @@ impl Host {
         };
         for model in &caches.models {
             let (first_model_cache, first_list) = (host.model_caches.len() as u32, host.lists.len() as u32);
-            host.model_caches.extend(model.caches.iter().map(of_model));
+            host.model_caches.extend(&model.caches);
             host.lists.extend(&model.neighbours);
             for draws in &model.instances {
                 let first_cache = host.placed.len() as u32;
@@ -203,9 +209,4 @@ impl Host {
         }
         host
     }
-}
-
-fn of_model(cache: &LightCache) -> ModelCache {
-    let LightCache { corners, draw, weights, normal, share, one_of_two } = *cache;
-    ModelCache { corners, draw, weights, normal, share, one_of_two }
 }
