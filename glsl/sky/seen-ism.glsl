@@ -4,11 +4,20 @@
 
 layout(scalar) readonly buffer Frames { SkyFrame at[]; } frames;
 
-float sky_seen(uint index, uint within, Receiver r, vec3 facing, float cosine) {
-    SkyFrame frame = frames.at[index];
-    vec3 from = r.position - places.at[index].position;
-    vec2 p = vec2(dot(frame.right, from), dot(frame.up, from));
+struct Direction {
+    SkyFrame frame;
+    vec3 position; // where it leaves the sphere around the scene
+    ivec2 corner;  // of its map
+};
+
+Direction direction_at(uint index) {
+    return Direction(frames.at[index], places.at[index].position, map_corner(index, ism.columns, ism.size));
+}
+
+float sky_seen(Direction d, uint within, Receiver r, vec3 facing, float cosine) {
+    vec3 from = r.position - d.position;
+    vec2 p = vec2(dot(d.frame.right, from), dot(d.frame.up, from));
     // 2 / (scale * size) is the width of a texel.
-    float hidden = dot(from, facing) * cosine - ism.bias * 2.0 / (frame.scale * float(ism.size));
-    return lit_in_map_at(p, map_corner(index, ism.columns, ism.size), hidden, cosine * ism.far);
+    float hidden = dot(from, facing) * cosine - ism.bias * 2.0 / (d.frame.scale * float(ism.size));
+    return lit_in_map_at(p, d.corner, hidden, cosine * ism.far);
 }

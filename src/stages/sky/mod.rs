@@ -109,7 +109,7 @@ fn gather(
     let glossy_dielectric = around.wants.dielectric == Dielectric::Ggx;
     let irradiance = g.image("sky/irradiance", Format::Rgba16Float, gbuffer.size);
     let reflection = (glossy_dielectric || around.scene.has_metals()).then(|| g.image("sky/reflection", Format::Rgba16Float, gbuffer.size));
-    let [across, down] = interleave.groups(gbuffer.size, [8, 4]);
+    let [across, down] = interleave.groups(gbuffer.size, [16, 8]);
     let pass = match visibility {
         SkyVisibility::None => g.compute("sky/gather"),
         SkyVisibility::RayTraced => {
