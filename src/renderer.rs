@@ -179,7 +179,7 @@ impl Renderer {
 
     /// Warnings about a config.
     pub fn warnings(&self, config: &Config) -> Vec<String> {
-        stages::warnings(config, &self.world.lights(config, 0), config.vpl_count(1))
+        stages::warnings(config, self.world.scene(), &self.world.lights(config, 0), config.vpl_count(1))
     }
 
     /// Compiles the shaders and creates all pipelines of a config, also for parts of the scene that no view sees yet, so that no frame has

@@ -1,9 +1,11 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Marks the pixels around each VPL that the camera sees. Of several VPLs, the last has the pixel.
+// Marks the pixels around each light that the camera sees. Of several lights, the last has the pixel. A part for "marked" defines
+//     bool is_marked(uint index);
+//     vec3 place_of(uint index);
+// which say whether light `index` shines, and where it is.
 #include "lib/view.glsl"
-#include "lib/vpl.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -14,14 +16,14 @@ layout(scalar, push_constant) uniform Params {
 
 layout(scalar) uniform ViewBlock { View it; } view;
 uniform sampler2D depth;
-layout(scalar) readonly buffer Places { VplPlace at[]; } places;
-layout(scalar) readonly buffer Areas { float at[]; } areas;
 layout(scalar) buffer Marks { uint at[]; } marks;
+
+#include "part/marked=compose/marked-vpls"
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
-    if (index >= params.count || areas.at[index] <= 0.0) return;
-    vec4 clip = view.it.view_projection * vec4(places.at[index].position, 1.0);
+    if (index >= params.count || !is_marked(index)) return;
+    vec4 clip = view.it.view_projection * vec4(place_of(index), 1.0);
     // The clip's w is the distance along the view's axis.
     if (clip.w <= view.it.near) return;
     ivec2 size = ivec2(view.it.width, view.it.height);

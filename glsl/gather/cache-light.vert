@@ -4,6 +4,7 @@
 #include "gather/vertex-light.glsl"
 #include "lib/scene.glsl"
 #include "lib/view.glsl"
+#include "part/proxies=gather/proxies-one"
 
 layout(constant_id = 5) const bool VERTEX_COLOR = false;
 layout(constant_id = 6) const uint SIDES = 1u;
@@ -14,8 +15,8 @@ layout(location = 3) in vec4 color;
 
 layout(location = 0) out vec2 out_uv;
 layout(location = 1) out float out_alpha;
-layout(location = 2) out vec4 out_place[2];
-layout(location = 4) out vec4 out_flux[2]; // and the lit share
+layout(location = 2) out vec4 out_place[2u * PROXIES];
+layout(location = 6) out vec4 out_flux[2u * PROXIES]; // and the lit share
 
 layout(scalar) uniform ViewBlock { View it; } view;
 layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
@@ -28,14 +29,14 @@ void main() {
     gl_Position = view.it.view_projection * vec4(draws.at[gl_BaseInstance].transform * vec4(position, 1.0), 1.0);
     out_uv = uv;
     out_alpha = VERTEX_COLOR ? color.a : 1.0;
-    uint number = (firsts.at[gl_BaseInstance] + uint(gl_VertexIndex)) * SIDES;
-    for (uint side = 0u; side < 2u; side++) {
-        out_place[side] = vec4(0.0);
-        out_flux[side] = vec4(0.0);
-        if (side < SIDES) {
-            VertexLight light = vertex_lights.at[number + side];
-            out_place[side] = vec4(light.way, light.extent);
-            out_flux[side] = vec4(light.flux, light.lit);
+    uint number = (firsts.at[gl_BaseInstance] + uint(gl_VertexIndex)) * SIDES * PROXIES;
+    for (uint i = 0u; i < 2u * PROXIES; i++) {
+        out_place[i] = vec4(0.0);
+        out_flux[i] = vec4(0.0);
+        if (i < SIDES * PROXIES) {
+            VertexLight light = vertex_lights.at[number + i];
+            out_place[i] = vec4(light.way, light.extent);
+            out_flux[i] = vec4(light.flux, light.lit);
         }
     }
 }

@@ -4,61 +4,117 @@
 // Occlusion of the proxy lights by double projection (Bischoff, Schwandt and Broll 2017, section 3, "Occlusion", after Lensing and Broll
 // 2013): the proxy's sphere and the caches' disks are projected to the unit sphere around a cache and on to its unit disk (Nusselt's
 // analogue), where a body of form factor F covers the area pi F. There they are squares of this area, whose overlap is the occlusion. A
-// workgroup has a cache.
+// workgroup has a cache, and skips tiles of other caches that lie behind it or are farther off than its lights.
+#include "gather/cache-tile.glsl"
 #include "lib/basis.glsl"
 #include "lib/light-cache.glsl"
 #include "lib/pi.glsl"
+#include "part/proxies=gather/proxies-one"
 
 layout(local_size_x = 64) in;
+
+// Whether a cache must lie before all of a proxy's sphere to shadow it, and not only before its middle.
+layout(constant_id = 0) const bool BEFORE_SPHERE = false;
+// Whether surfaces shadow what is before them alone.
+layout(constant_id = 1) const bool FRONTS = false;
 
 layout(scalar, push_constant) uniform Params {
     uint count;
     float least_radius; // of a proxy's sphere, metres
+    float deviations;   // radius of a sphere, in standard deviations
 } params;
 
 layout(scalar) readonly buffer Caches { LightCache at[]; } caches;
+layout(scalar) readonly buffer Tiles { CacheTile at[]; } tiles;
 layout(scalar) readonly buffer Proxies { ProxyLight at[]; } proxies;
 layout(scalar) writeonly buffer Seen { float at[]; } seen;
+layout(scalar) buffer Within { uint count; } within; // caches that lie within the sphere of their diffuse light
 
-shared float covered[64];
+// A proxy as a square on the unit disk.
+struct Square {
+    vec2 middle;
+    float half_side;
+    float form;    // the sphere's form factor
+    float reach;   // square of the distance within which caches shadow it
+    float covered; // area of the squares over it so far
+};
+
+shared uint listed[2]; // tiles, a bit each
+shared vec2 covered[64];
+
+Square square_of(LightCache cache, ProxyLight proxy, mat3 frame) {
+    float squared = dot(proxy.way, proxy.way);
+    bool is_lit = any(greaterThan(proxy.irradiance, vec3(0.0)));
+    vec3 to_proxy = squared > 0.0 ? proxy.way * inversesqrt(squared) : cache.normal;
+    float radius = max(params.deviations * proxy.extent, params.least_radius);
+    float form = max(min(radius * radius / max(squared, 1e-30), 1.0) * dot(cache.normal, to_proxy), 1e-8);
+    float reach = BEFORE_SPHERE ? max(sqrt(squared) - radius, 0.0) : sqrt(squared);
+    return Square(vec2(dot(to_proxy, frame[0]), dot(to_proxy, frame[1])), 0.5 * sqrt(PI * form), form, is_lit ? reach * reach : 0.0, 0.0);
+}
 
 // Overlap of two squares along an axis: their middles and halves of their sides.
 float overlap(float a, float half_a, float b, float half_b) {
     return max(min(a + half_a, b + half_b) - max(a - half_a, b - half_b), 0.0);
 }
 
-void main() {
-    uint number = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, mine = gl_LocalInvocationID.x;
-    bool is_cache = number < params.count;
-    LightCache cache = caches.at[is_cache ? number : 0u];
-    ProxyLight proxy = proxies.at[is_cache ? number : 0u];
-    float squared = dot(proxy.way, proxy.way);
-    vec3 to_proxy = squared > 0.0 ? proxy.way * inversesqrt(squared) : cache.normal;
-    float radius = max(proxy.extent, params.least_radius);
-    float form = max(min(radius * radius / max(squared, 1e-30), 1.0) * dot(cache.normal, to_proxy), 1e-8);
-    bool is_lit = is_cache && any(greaterThan(proxy.irradiance, vec3(0.0)));
-    mat3 frame = basis_of(cache.normal);
-    vec2 middle = vec2(dot(to_proxy, frame[0]), dot(to_proxy, frame[1]));
-    float half_side = 0.5 * sqrt(PI * form);
-    float sum = 0.0;
-    for (uint i = mine; i < params.count && is_lit; i += 64u) {
-        LightCache other = caches.at[i];
-        vec3 way = other.position - cache.position;
-        float away = dot(way, way), to = dot(cache.normal, way), facing = -dot(other.normal, way);
-        // What is behind the proxy casts no shadow.
-        if (!(to > 0.0 && away < squared) || i == number) continue;
-        // Each side of a surface that has two has caches of its own. Others stop light from both sides.
-        if (other.one_of_two != 0u && facing <= 0.0) continue;
-        float disk_form = other.area * to * abs(facing) / (away * (other.area + PI * away));
-        float half_disk = 0.5 * sqrt(PI * disk_form), scale = inversesqrt(away);
-        vec2 at = vec2(dot(way, frame[0]), dot(way, frame[1])) * scale;
-        sum += overlap(middle.x, half_side, at.x, half_disk) * overlap(middle.y, half_side, at.y, half_disk);
+void cover(inout Square square, float away, vec2 at, float half_side) {
+    if (away < square.reach) {
+        square.covered += overlap(square.middle.x, square.half_side, at.x, half_side) * overlap(square.middle.y, square.half_side, at.y, half_side);
     }
-    covered[mine] = sum;
+}
+
+// Whether a tile may have a cache that is before the plane and within a squared distance, with slack far above the rounding.
+bool meets(CacheTile tile, LightCache cache, float reach) {
+    vec3 low = tile.low - cache.position, high = tile.high - cache.position;
+    vec3 off = max(max(low, -high), vec3(0.0)), up = max(cache.normal * low, cache.normal * high);
+    return dot(off, off) <= reach * 1.0001 && dot(up, vec3(1.0)) > -1e-5 * dot(abs(up), vec3(1.0));
+}
+
+void main() {
+    uint number = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, me = gl_LocalInvocationID.x;
+    bool is_cache = number < params.count;
+    uint mine = is_cache ? number : 0u;
+    LightCache cache = caches.at[mine];
+    mat3 frame = basis_of(cache.normal);
+    ProxyLight proxy = proxies.at[mine * PROXIES];
+    Square diffuse = square_of(cache, proxy, frame), glossy = diffuse;
+    if (PROXIES == 2u) glossy = square_of(cache, proxies.at[mine * PROXIES + 1u], frame);
+    float reach = is_cache ? max(diffuse.reach, glossy.reach) : 0.0;
+    uint all_tiles = (params.count + 63u) / 64u;
+    for (uint first = 0u; first < all_tiles; first += 64u) {
+        barrier();
+        if (me < 2u) listed[me] = 0u;
+        barrier();
+        if (first + me < all_tiles && meets(tiles.at[first + me], cache, reach)) atomicOr(listed[me / 32u], 1u << (me % 32u));
+        barrier();
+        for (uint word = 0u; word < 2u; word++) {
+            uint bits = listed[word];
+            while (bits != 0u) {
+                uint i = (first + word * 32u + uint(findLSB(bits))) * 64u + me;
+                bits &= bits - 1u;
+                if (i >= params.count || i == number) continue;
+                LightCache other = caches.at[i];
+                vec3 way = other.position - cache.position;
+                float away = dot(way, way), to = dot(cache.normal, way), facing = -dot(other.normal, way);
+                // Each side of a surface that has two has caches of its own.
+                if (!(to > 0.0 && away < reach) || ((FRONTS || other.one_of_two != 0u) && facing <= 0.0)) continue;
+                float form = other.area * to * abs(facing) / (away * (other.area + PI * away));
+                vec2 at = vec2(dot(way, frame[0]), dot(way, frame[1])) * inversesqrt(away);
+                float half_side = 0.5 * sqrt(PI * form);
+                cover(diffuse, away, at, half_side);
+                if (PROXIES == 2u) cover(glossy, away, at, half_side);
+            }
+        }
+    }
+    covered[me] = vec2(diffuse.covered, glossy.covered);
     barrier();
-    for (uint step_ = 32u; step_ > 0u; step_ >>= 1u) {
-        if (mine < step_) covered[mine] += covered[mine + step_];
+    for (uint half_ = 32u; half_ > 0u; half_ >>= 1u) {
+        if (me < half_) covered[me] += covered[me + half_];
         barrier();
     }
-    if (mine == 0u && is_cache) seen.at[number] = 1.0 - min(covered[0] / (PI * form), 1.0);
+    if (me != 0u || !is_cache) return;
+    seen.at[number * PROXIES] = 1.0 - min(covered[0].x / (PI * diffuse.form), 1.0);
+    if (PROXIES == 2u) seen.at[number * PROXIES + 1u] = 1.0 - min(covered[0].y / (PI * glossy.form), 1.0);
+    bool is_lit = any(greaterThan(proxy.irradiance, vec3(0.0)));
+    if (is_lit && length(proxy.way) < max(params.deviations * proxy.extent, params.least_radius)) atomicAdd(within.count, 1u);
 }

@@ -30,15 +30,21 @@ layout(scalar) readonly buffer ModelCaches { ModelCache at[]; } model_caches;
 layout(scalar) readonly buffer Placed { PlacedCache at[]; } placed;
 layout(scalar) readonly buffer Draws { DrawData at[]; } draws;
 layout(scalar) readonly buffer Vertices { Vertex at[]; } vertices;
+layout(scalar) readonly buffer Materials { Material at[]; } materials;
 layout(scalar) writeonly buffer Caches { LightCache at[]; } caches;
 
 void main() {
     uint i = gl_GlobalInvocationID.x;
     if (i >= params.count) return;
+    // A scene without surfaces has one cache, of nothing.
+    if (placed.at[i].draw == NO_CACHE) {
+        caches.at[i] = LightCache(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), 0.0, 0u);
+        return;
+    }
     ModelCache it = model_caches.at[placed.at[i].model_cache];
-    mat4x3 transform = draws.at[placed.at[i].draw].transform;
+    DrawData draw = draws.at[placed.at[i].draw];
     mat3 world;
-    for (uint k = 0u; k < 3u; k++) world[k] = transform * vec4(vertices.at[it.corners[k]].position, 1.0);
+    for (uint k = 0u; k < 3u; k++) world[k] = draw.transform * vec4(vertices.at[it.corners[k]].position, 1.0);
     vec3 edge = world[1] - world[0];
     vec3 across = cross(edge, world[2] - world[0]);
     float doubled = length(across);
@@ -47,5 +53,6 @@ void main() {
     vec3 up = doubled > 0.0 ? across / doubled : vec3(0.0, 0.0, 1.0);
     vec3 at = vec3(1.0 - it.weights.x - it.weights.y, it.weights);
     vec3 normal = normalize(it.normal.x * along + it.normal.y * cross(up, along) + it.normal.z * up);
-    caches.at[i] = LightCache(world * at, 0.5 * doubled * it.share, normal, it.one_of_two);
+    float exponent = lobe_exponent(materials.at[draw.material].mean_roughness);
+    caches.at[i] = LightCache(world * at, 0.5 * doubled * it.share, normal, exponent, it.one_of_two);
 }

@@ -1,4 +1,4 @@
 // Proxy lights with shadows.
 layout(scalar) readonly buffer Seen { float at[]; } seen;
 
-float reach_of(uint cache_number) { return seen.at[cache_number]; }
+float reach_of(uint proxy_number) { return seen.at[proxy_number]; }

@@ -5,10 +5,11 @@ struct LightCache {
     vec3 position;
     float area;       // surface that it stands for, m^2
     vec3 normal;
+    float exponent;   // of its surface's cosine lobe
     uint one_of_two;  // whether it is on one side of a surface that has two
 };
 
-// The light that stands for all VALs at a cache.
+// A light that stands for all VALs at a cache. A cache has one for its diffuse light and, if receivers are glossy, one for its glossy light.
 struct ProxyLight {
     vec3 way;         // from the cache to its place
     float extent;     // largest standard deviation of the VALs' places along an axis, metres
@@ -16,4 +17,14 @@ struct ProxyLight {
 };
 
 const uint NO_CACHE = 0xffffffffu;
+
+// Exponent k of the cosine lobe about the mirror direction that is as high as GGX's: the half vector's lobe of 2 / alpha^2 - 2 is four times
+// as narrow. A lobe is no narrower than that of roughness 0.2, since a cache has one light for all of it.
+float lobe_exponent(float roughness) {
+    float alpha = max(roughness * roughness, 0.04);
+    return max(0.5 / (alpha * alpha) - 0.5, 0.0);
+}
+
+// cos^k of a lobe, 0 behind.
+float cosine_lobe(float cosine, float exponent) { return cosine > 0.0 ? exp2(exponent * log2(min(cosine, 1.0))) : 0.0; }
 #endif

@@ -33,7 +33,8 @@ struct Material {
     MapUse metallic_roughness_map;
     MapUse emission_map;
     MapUse normal_map;
-    uint padding[24]; // to 256 bytes, so that every device can bind one as a uniform block
+    float mean_roughness; // with its map
+    uint padding[23];     // to 256 bytes, so that every device can bind one as a uniform block
 };
 
 vec3 map_coordinates(MapUse use, vec2 uv) { return vec3(use.matrix * uv + use.offset, use.layer); }

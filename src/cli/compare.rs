@@ -8,6 +8,7 @@ const MEASURES: &str = "\
 Measures, t being the test's numbers and r the reference's:
 
   rmse    root of the mean of (t - r)^2, over pixels and channels
+  mae     mean of |t - r|, over pixels and channels
   relmse  mean of (t - r)^2 / (r^2 + 0.01)
   energy  mean luminance of the test over that of the reference
   worst   99th percentile of the pixels' errors, each the largest |t - r| of its channels
@@ -38,6 +39,9 @@ pub struct CompareArgs {
     /// Fail if a frame's rmse is over X
     #[arg(long, value_name = "X", value_parser = threshold)]
     pub max_rmse: Option<f64>,
+    /// Fail if a frame's mae is over X
+    #[arg(long, value_name = "X", value_parser = threshold)]
+    pub max_mae: Option<f64>,
     /// Fail if a frame's relmse is over X
     #[arg(long, value_name = "X", value_parser = threshold)]
     pub max_relmse: Option<f64>,

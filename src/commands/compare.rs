@@ -138,8 +138,15 @@ struct Line<'f> {
 
 impl Line<'_> {
     fn text(&self) -> String {
-        let Measures { rmse, relmse, energy, worst, flip, .. } = self.measures;
-        let figures = [("rmse", Some(rmse)), ("relmse", Some(relmse)), ("energy", energy), ("worst", Some(worst)), ("flip", flip)];
+        let Measures { rmse, mae, relmse, energy, worst, flip, .. } = self.measures;
+        let figures = [
+            ("rmse", Some(rmse)),
+            ("mae", Some(mae)),
+            ("relmse", Some(relmse)),
+            ("energy", energy),
+            ("worst", Some(worst)),
+            ("flip", flip),
+        ];
         let figures = figures.iter().filter_map(|(name, figure)| figure.map(|figure| format!("  {name} {}", short(figure))));
         format!("{} {}{}", self.frame, self.layer, figures.collect::<String>())
     }
@@ -177,6 +184,7 @@ fn limited(args: &CompareArgs, measures: &Measures) -> impl Iterator<Item = (&'s
     let off = measures.energy.map(|energy| (energy - 1.0).abs());
     let all = [
         ("rmse", Some(measures.rmse), args.max_rmse),
+        ("mae", Some(measures.mae), args.max_mae),
         ("relmse", Some(measures.relmse), args.max_relmse),
         ("flip", measures.flip, args.max_flip),
         ("worst", Some(measures.worst), args.max_worst),

@@ -73,6 +73,7 @@ pub struct StochasticConfig {
     pub roulette: RouletteChoice,
     /// Counts the VPLs on a pixel's light lists and those that shine there. `--dump gather/statistics` pictures them.
     pub statistics: bool,
+    /// `"ggx"` needs the culling `"tiled"`.
     pub receiver: Receiver,
 }
 
@@ -121,6 +122,13 @@ pub struct LightCachesConfig {
     pub occlusion: CacheOcclusion,
     pub proxy_weights: ProxyWeights,
     pub proxy_bound: ProxyBound,
+    pub neighbour_weights: NeighbourWeights,
+    /// `"ggx"` gives each cache a second proxy light, for the light that its surface reflects towards the camera. Lobes are cosine lobes about
+    /// the mirror direction as high as GGX's, and no narrower than that of roughness 0.2.
+    pub receiver: Receiver,
+    /// Draws the caches as disks in the light that reaches them, and their proxy lights as spots: `--dump gather/cache-viewer`.
+    pub viewer: bool,
+    pub double_projection: DoubleProjectionConfig,
 }
 
 impl Default for LightCachesConfig {
@@ -131,8 +139,68 @@ impl Default for LightCachesConfig {
             occlusion: CacheOcclusion::DoubleProjection,
             proxy_weights: ProxyWeights::FormFactor,
             proxy_bound: ProxyBound::Extent,
+            neighbour_weights: NeighbourWeights::Distance,
+            receiver: Receiver::Diffuse,
+            viewer: false,
+            double_projection: DoubleProjectionConfig::default(),
         }
     }
+}
+
+/// The occlusion `"double-projection"`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct DoubleProjectionConfig {
+    pub before: Before,
+    pub radius: ProxyRadius,
+    pub sides: OccluderSides,
+}
+
+/// Which caches are before a proxy light and shadow it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Before {
+    /// Those that are nearer than its middle.
+    #[default]
+    Center,
+    /// Those that are nearer than all of its sphere. A light whose sphere the cache is in has no shadow then, and that is most of the light of
+    /// a street.
+    Sphere,
+}
+
+/// Radius of a proxy light's sphere, from the largest standard deviation of its VALs' places along an axis.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ProxyRadius {
+    /// The standard deviation: half the side of the paper's box.
+    #[default]
+    Sigma,
+    /// Twice the standard deviation: the side of the paper's box.
+    TwoSigma,
+}
+
+/// Which sides of a cache's surface shadow proxy lights. Surfaces with two sides have caches on both, each of which shadows what is before it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum OccluderSides {
+    /// Both: sheets with one side stop light from behind, and closed bodies count twice.
+    Both,
+    /// The front: closed bodies count once, and sheets with one side let light through from behind. It is nearer to rays in the Cornell box,
+    /// in a street and in Sponza.
+    #[default]
+    Front,
+}
+
+/// What gives a cache nearby its weight at a vertex, beside its normal.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NeighbourWeights {
+    /// Its distance (equation 8): caches behind a thin wall that face the same side count as well.
+    #[default]
+    Distance,
+    /// Its distance, and the vertex's from its tangent plane, which is at most half of `distance` (after Ward, Rubinstein and Clear 1988). Not
+    /// in the paper.
+    TangentPlane,
 }
 
 /// How proxy lights are shadowed.
@@ -249,7 +317,7 @@ pub enum RouletteChoice {
     None,
 }
 
-/// Reflection of indirect light by what the camera sees. `"ggx"` needs the culling `"tiled"`.
+/// Reflection of indirect light by what the camera sees.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Receiver {
@@ -273,6 +341,15 @@ pub enum Emitters {
 }
 
 impl GatherConfig {
+    /// Whether what the camera sees reflects indirect light as GGX says.
+    pub fn has_glossy_receivers(&self) -> bool {
+        match self.method {
+            GatherMethod::PerPixel => false,
+            GatherMethod::Stochastic => self.stochastic.receiver == Receiver::Ggx,
+            GatherMethod::LightCaches => self.light_caches.receiver == Receiver::Ggx,
+        }
+    }
+
     /// The culling of the method `"stochastic"`, where that is the method.
     pub fn stochastic_culling(&self) -> Option<StochasticCulling> {
         match self.method {
@@ -323,7 +400,10 @@ impl GatherConfig {
         let of_method = |keys: &'static [&'static str]| Unused::new(keys, &["gather.method"]);
         match (config.gather.method, config.gather.stochastic_culling()) {
             (GatherMethod::LightCaches, _) => {
-                vec![of_method(&["gather.per_pixel", "gather.stochastic", "gather.conservative_clusters"])]
+                let caches = of_method(&["gather.per_pixel", "gather.stochastic", "gather.conservative_clusters"]);
+                let occlusion = Unused::new(&["gather.light_caches.double_projection"], &["gather.light_caches.occlusion"]);
+                let has = config.gather.light_caches.occlusion == CacheOcclusion::DoubleProjection;
+                std::iter::once(caches).chain((!has).then_some(occlusion)).collect()
             }
             (_, None) => vec![of_method(&["gather.stochastic", "gather.conservative_clusters", "gather.light_caches"])],
             (_, Some(culling)) => {

@@ -143,7 +143,8 @@ fn chain(text: &str, path: &Path) -> Result<Node> {
             (Ok(file), Ok(base)) => file == base,
             _ => file == &base_path,
         };
-        if files.iter().any(same) {
+        // A preset is no file, even if one has its name.
+        if preset.is_none() && files.iter().any(same) {
             return Err(check::error(&origin, "base", format_args!("the chain of bases is a circle: {}", names())));
         }
         if files.len() == MOST_FILES {

@@ -69,12 +69,25 @@ pub struct InverseTransformConfig {
     /// selects the row too.
     #[schemars(extend("enum" = [2, 3]))]
     pub dimensions: u32,
+    pub scan: Scan,
 }
 
 impl Default for InverseTransformConfig {
     fn default() -> Self {
-        Self { dimensions: 3 }
+        Self { dimensions: 3, scan: Scan::Blocked }
     }
+}
+
+/// How running sums of importance are made.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scan {
+    /// By a workgroup a row, in one pass; no sum is less than the one before it.
+    #[default]
+    Blocked,
+    /// By steps over all texels, which double what each has summed (Hensley et al. 2005): a pass a step. Rounding lets some sums fall, so that
+    /// texels without importance become dark VPLs.
+    Doubling,
 }
 
 /// The sampler `"metropolis-hastings"`.

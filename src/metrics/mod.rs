@@ -32,6 +32,8 @@ pub const RELMSE_EPSILON: f64 = 0.01;
 pub struct Measures {
     /// Square root of the mean of (t - r)² over pixels and channels.
     pub rmse: f64,
+    /// Mean of |t - r| over pixels and channels.
+    pub mae: f64,
     /// Mean of (t - r)² / (r² + [`RELMSE_EPSILON`]) over pixels and channels.
     pub relmse: f64,
     /// The test's mean over the reference's: 1 if both are 0; infinite, and `null` in JSON, if only the reference's is 0.
@@ -91,6 +93,7 @@ pub fn compare(test: &Image, reference: &Image) -> Result<Comparison> {
     let map = map.unwrap_or_else(|| relative_to_the_largest(&errors));
     let measures = Measures {
         rmse: (sums.squares / count).sqrt(),
+        mae: sums.absolutes / count,
         relmse: sums.relative_squares / count,
         energy: mean.map(Means::ratio),
         worst: percentile_99(&mut errors),
@@ -125,7 +128,7 @@ fn check_alike(test: &Image, reference: &Image) -> Result<()> {
 }
 
 impl Measures {
-    /// Figures of several frames together: `rmse` is the root of the mean square; `relmse`, `flip` and the means are averaged;
+    /// Figures of several frames together: `rmse` is the root of the mean square; `mae`, `relmse`, `flip` and the means are averaged;
     /// `energy` is the ratio of the averaged means; `worst` is the largest. `None` without frames.
     pub fn over_frames(frames: &[Self]) -> Option<Self> {
         let count = frames.len() as f64;
@@ -134,6 +137,7 @@ impl Measures {
         let mean = mean(|mean| mean.test).zip(mean(|mean| mean.reference)).map(|(test, reference)| Means { test, reference });
         Some(Self {
             rmse: average(&|frame| Some(frame.rmse * frame.rmse))?.sqrt(),
+            mae: average(&|frame| Some(frame.mae))?,
             relmse: average(&|frame| Some(frame.relmse))?,
             energy: mean.map(Means::ratio),
             worst: frames.iter().map(|frame| frame.worst).reduce(f64::max)?,
@@ -148,6 +152,7 @@ impl Measures {
 #[derive(Default)]
 struct Sums {
     squares: f64,
+    absolutes: f64,
     relative_squares: f64,
     /// Sums of the test and of the reference; `None` for vectors.
     means: Option<[f64; 2]>,
@@ -164,6 +169,7 @@ fn row_sums(test: &[f32], reference: &[f32], image: &Image) -> Sums {
     for (&t, &r) in test.iter().zip(reference) {
         let (r, square) = (f64::from(r), (f64::from(t) - f64::from(r)).powi(2));
         sums.squares += square;
+        sums.absolutes += (f64::from(t) - r).abs();
         sums.relative_squares += square / (r * r + RELMSE_EPSILON);
     }
     sums.means = match (image.content(), image.channels()) {
@@ -180,6 +186,7 @@ fn row_sums(test: &[f32], reference: &[f32], image: &Image) -> Sums {
 fn add(a: Sums, b: Sums) -> Sums {
     Sums {
         squares: a.squares + b.squares,
+        absolutes: a.absolutes + b.absolutes,
         relative_squares: a.relative_squares + b.relative_squares,
         means: a.means.zip(b.means).map(|(a, b)| [a[0] + b[0], a[1] + b[1]]),
     }

@@ -44,7 +44,7 @@ fn assert_near(figure: f64, expected: f64) {
 fn the_same_image_has_no_error_at_all() {
     for image in [radiance(picture()), shown(picture().iter().map(|value| value / 4.0).collect())] {
         let Comparison { measures, map } = compare(&image, &image).unwrap();
-        let figures = (measures.rmse, measures.relmse, measures.energy, measures.worst, measures.flip);
+        let figures = (measures.rmse + measures.mae, measures.relmse, measures.energy, measures.worst, measures.flip);
         assert_eq!(figures, (0.0, 0.0, Some(1.0), 0.0, Some(0.0)));
         assert!(map.iter().all(|&error| error == 0.0));
         assert_eq!(map.len(), WIDTH * HEIGHT);
@@ -70,6 +70,7 @@ fn an_offset_has_the_known_error_and_the_luminances_are_those_of_its_colours() {
     let redder = |image: &mut Vec<f32>| image.iter_mut().step_by(3).for_each(|value| *value += 0.5);
     let Comparison { measures, .. } = against_the_picture(redder);
     assert_near(measures.rmse, (0.25_f64 / 3.0).sqrt());
+    assert_near(measures.mae, 0.5 / 3.0);
     assert_near(measures.worst, 0.5);
     let mean = measures.mean.unwrap();
     assert_near(mean.test - mean.reference, 0.5 * 0.2126);
@@ -165,7 +166,7 @@ fn more_noise_is_more_error_in_every_measure() {
         against_the_picture(|image| image.iter_mut().zip(noise(7)).for_each(|(value, noise)| *value += noise * strength)).measures
     };
     let measures = [0.0, 0.01, 0.03, 0.1, 0.3].map(noisy);
-    let figures: [fn(&Measures) -> f64; 4] = [|m| m.rmse, |m| m.relmse, |m| m.worst, |m| m.flip.unwrap()];
+    let figures: [fn(&Measures) -> f64; 5] = [|m| m.rmse, |m| m.mae, |m| m.relmse, |m| m.worst, |m| m.flip.unwrap()];
     for figure in figures {
         let rising: Vec<f64> = measures.iter().map(figure).collect();
         assert!(rising.windows(2).all(|pair| pair[0] < pair[1]), "{rising:?}");
@@ -186,6 +187,7 @@ fn figures_do_not_depend_on_the_number_of_cores() {
 fn frames_are_summed_up_as_documented() {
     let frame = |rmse: f64, test: f64, flip: Option<f64>| Measures {
         rmse,
+        mae: rmse / 2.0,
         relmse: rmse / 10.0,
         energy: Some(test / 2.0),
         worst: rmse * 2.0,
@@ -195,6 +197,7 @@ fn frames_are_summed_up_as_documented() {
     };
     let all = Measures::over_frames(&[frame(3.0, 1.0, Some(0.1)), frame(4.0, 4.0, Some(0.3))]).unwrap();
     assert_near(all.rmse, 12.5_f64.sqrt());
+    assert_near(all.mae, 1.75);
     assert_near(all.relmse, 0.35);
     assert_near(all.flip.unwrap(), 0.2);
     assert_eq!((all.energy, all.worst), (Some(1.25), 8.0));

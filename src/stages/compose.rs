@@ -17,9 +17,10 @@ shader_struct! {
         background: [f32; 3],
     }
 
-    struct MarksParams {
-        count: u32,
-        radius: i32,
+    /// `glsl/compose/marks.comp`.
+    pub(super) struct MarksParams {
+        pub(super) count: u32,
+        pub(super) radius: i32,
     }
 }
 

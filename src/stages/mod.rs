@@ -25,7 +25,7 @@ use crate::config::{
     CacheOcclusion, Collect, Config, Culling, FilterKind, GatherMethod, Importance, IsmRenderer, Layers, PointSet, Rasterization, Shadows,
     SkyVisibility, SsaoMethod, StochasticCulling, VisibilityMethod, VplSampler,
 };
-use crate::scene::Light;
+use crate::scene::{Light, Scene};
 use anyhow::Result;
 use facts::Facts;
 use methods::Method;
@@ -103,9 +103,9 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     sky::check(config, facts)
 }
 
-/// Warnings about a config under these lights.
-pub fn warnings(config: &Config, lights: &[Light], vpls: u32) -> Vec<String> {
-    [rsm::warnings(lights), bounce::warnings(config, vpls), sky::warnings(config)].concat()
+/// Warnings about a config in a scene under these lights.
+pub fn warnings(config: &Config, scene: &Scene, lights: &[Light], vpls: u32) -> Vec<String> {
+    [rsm::warnings(lights), bounce::warnings(config, vpls), gather::warnings(config, scene), sky::warnings(config)].concat()
 }
 
 /// Warnings about rendering a config's sequence in parts.

@@ -1,6 +1,5 @@
 //! Resources that stages make once and keep over frames.
 
-use super::gather;
 use super::gather::caches::{self, Caches, FrameCaches};
 use super::gather::shells::{self, FrameShells, Shells};
 use super::visibility::stored::{FrameSegment, Stored};
@@ -37,9 +36,9 @@ impl Residents {
             }
             self.caches = Some(Caches::upload(gpu, world.at_rest(), spacing)?);
         }
-        if let Some(caches) = self.caches.as_ref().filter(|_| gather::needs_rays(config)) {
+        if let Some(caches) = self.caches.as_ref().filter(|_| caches::needs_caches(config).is_some()) {
             let maps = Lighting::of(config, world, &gpu.adapter, 0)?.projectors.len() as u32;
-            caches.check_rays(&gpu.adapter, config.vpl_count(maps))?;
+            caches.check(&gpu.adapter, config.vpl_count(maps), config)?;
         }
         if self.shells.is_none() && shells::needs_shells(config) {
             self.shells = Some(Shells::upload(gpu)?);

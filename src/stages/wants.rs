@@ -1,7 +1,7 @@
 //! Requirements of later stages on earlier ones: a value, so that no stage reads another's keys.
 
 use super::interleave::Interleave;
-use crate::config::{Config, Dielectric, GatherMethod, Importance, Receiver, Reflection, VisibilityMethod, VplSampler};
+use crate::config::{Config, Dielectric, GatherMethod, Importance, Reflection, VisibilityMethod, VplSampler};
 
 /// Requirements of later stages; computed once a frame.
 #[derive(Debug, Clone, Copy)]
@@ -36,7 +36,7 @@ impl Wants {
         let [width, height] = config.rsm.size;
         Self {
             glossy: config.vpls.reflection != Reflection::Diffuse,
-            glossy_receivers: config.gather.stochastic_culling().is_some() && config.gather.stochastic.receiver == Receiver::Ggx,
+            glossy_receivers: config.gather.has_glossy_receivers(),
             texels_per_vpl: match (config.vpls.sampler, config.vpls.importance) {
                 (VplSampler::Regular | VplSampler::Hammersley, Importance::None | Importance::PassedFlux) => {
                     f64::from(width) * f64::from(height) * f64::from(layers) / f64::from(config.vpl_count(layers))

@@ -339,6 +339,7 @@ fn compare(test: &Path, reference: &Path, layer: &LayerPair) -> Result<Measures>
 fn figure_of(measures: &Measures, figure: Figure) -> Option<f64> {
     match figure {
         Figure::Rmse => Some(measures.rmse),
+        Figure::Mae => Some(measures.mae),
         Figure::Relmse => Some(measures.relmse),
         Figure::Energy => measures.energy,
         Figure::Worst => Some(measures.worst),

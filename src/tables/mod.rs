@@ -121,6 +121,7 @@ pub enum What {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Figure {
     Rmse,
+    Mae,
     Relmse,
     Energy,
     Worst,
@@ -128,8 +129,14 @@ pub enum Figure {
 }
 
 impl Figure {
-    pub const ALL: [(&'static str, Self); 5] =
-        [("rmse", Self::Rmse), ("relmse", Self::Relmse), ("energy", Self::Energy), ("worst", Self::Worst), ("flip", Self::Flip)];
+    pub const ALL: [(&'static str, Self); 6] = [
+        ("rmse", Self::Rmse),
+        ("mae", Self::Mae),
+        ("relmse", Self::Relmse),
+        ("energy", Self::Energy),
+        ("worst", Self::Worst),
+        ("flip", Self::Flip),
+    ];
 
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, figure)| *figure == self).map_or("", |(name, _)| name)

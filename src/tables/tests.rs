@@ -237,7 +237,7 @@ fn mistakes_are_refused_by_file_line_and_key() {
         (
             "error = \"relmse\"",
             "error = \"relms\"",
-            "column.2.measure.error: expects one of rmse, relmse, energy, worst, flip, found \"relms\"; did you mean \"relmse\"?",
+            "column.2.measure.error: expects one of rmse, mae, relmse, energy, worst, flip, found \"relms\"; did you mean \"relmse\"?",
         ),
         ("against = { row = \"one\" }", "against = \"truth\"", "column.2.measure.against: expects \"reference\" or a cell"),
         ("over = { column = \"gather\" }", "over = { column = \"speed-up\" }", "comes back to itself"),

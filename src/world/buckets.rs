@@ -52,10 +52,16 @@ pub(super) enum Motion {
     Bends(Reach),
 }
 
-/// Image array and layer of each texture.
-pub(super) type Places = Vec<(usize, u32)>;
+/// A texture on the device.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct PlacedTexture {
+    array: usize,
+    layer: u32,
+    /// Mean of its texels: its last mip.
+    mean: [u8; 4],
+}
 
-pub(super) fn upload_textures(gpu: &mut Gpu, scene: &Scene) -> Result<(Vec<ImageId>, Places)> {
+pub(super) fn upload_textures(gpu: &mut Gpu, scene: &Scene) -> Result<(Vec<ImageId>, Vec<PlacedTexture>)> {
     let limits = gpu.adapter.limits;
     let mut groups: BTreeMap<(u32, u32, Texels), Vec<usize>> = BTreeMap::new();
     let masks = scene.materials.iter().filter(|material| material.alpha_cutoff.is_some()).filter_map(|material| material.base_color_map);
@@ -77,28 +83,32 @@ pub(super) fn upload_textures(gpu: &mut Gpu, scene: &Scene) -> Result<(Vec<Image
         groups.entry((texture.width, texture.height, texels)).or_default().push(i);
     }
     let mut arrays = Vec::new();
-    let mut places = vec![(0, 0); scene.textures.len()];
+    let mut placed = vec![PlacedTexture::default(); scene.textures.len()];
     for ((width, height, of), members) in groups {
         for members in members.chunks(limits.image_layers.max(1) as usize) {
             let size = [width, height];
-            let layers = members.iter().map(|i| with_mips(&scene.textures[*i].texels, size, of));
             let format = if of.srgb { Format::Rgba8Srgb } else { Format::Rgba8Unorm };
-            members.iter().enumerate().for_each(|(layer, i)| places[*i] = (arrays.len(), layer as u32));
+            let array = arrays.len();
+            let layers = members.iter().enumerate().map(|(layer, i)| {
+                let texels = with_mips(&scene.textures[*i].texels, size, of);
+                placed[*i] = PlacedTexture { array, layer: layer as u32, mean: texels.last_chunk().copied().unwrap_or_default() };
+                texels
+            });
             arrays.push(gpu.create_texture_array("scene/textures", format, size, layers)?);
         }
     }
-    Ok((arrays, places))
+    Ok((arrays, placed))
 }
 
 fn maps(material: &Material) -> [Option<Map>; 4] {
     [material.base_color_map, material.metallic_roughness_map, material.emission_map, material.normal_map]
 }
 
-pub(super) fn material_data(material: &Material, places: &Places) -> MaterialData {
+pub(super) fn material_data(material: &Material, placed: &[PlacedTexture]) -> MaterialData {
     let [base_color_map, metallic_roughness_map, emission_map, normal_map] = maps(material).map(|map| {
         map.map_or([0.0; 7], |map| {
             let [a, b, c, d] = map.matrix.to_cols_array();
-            [a, b, c, d, map.offset.x, map.offset.y, places[map.texture as usize].1 as f32]
+            [a, b, c, d, map.offset.x, map.offset.y, placed[map.texture as usize].layer as f32]
         })
     });
     MaterialData {
@@ -113,11 +123,13 @@ pub(super) fn material_data(material: &Material, places: &Places) -> MaterialDat
         metallic_roughness_map,
         emission_map,
         normal_map,
-        padding: [0; 24],
+        mean_roughness: material.roughness
+            * material.metallic_roughness_map.map_or(1.0, |map| f32::from(placed[map.texture as usize].mean[1]) / 255.0),
+        padding: [0; 23],
     }
 }
 
-pub(super) fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb) {
+pub(super) fn fill_buckets(scene: &Scene, placed: &[PlacedTexture]) -> (Vec<Bucket>, Aabb) {
     let colored = |draw: &Draw| scene.draw_vertices(draw).any(|vertex| vertex.color != u32::MAX);
     let facts: Vec<(Vec<Draw>, Vec<PartBounds>, bool)> = scene
         .draws
@@ -139,7 +151,7 @@ pub(super) fn fill_buckets(scene: &Scene, places: &Places) -> (Vec<Bucket>, Aabb
             double_sided: material.double_sided,
             colored,
             maps: maps(material).map(|map| {
-                map.map(|map| MapKey { array: places[map.texture as usize].0, u: map.wrap_u, v: map.wrap_v, filter: map.filter })
+                map.map(|map| MapKey { array: placed[map.texture as usize].array, u: map.wrap_u, v: map.wrap_v, filter: map.filter })
             }),
         };
         let place = |(part, (bounds, motion)): (&Draw, PartBounds)| {

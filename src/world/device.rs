@@ -58,8 +58,10 @@ shader_struct! {
         pub metallic_roughness_map: [f32; 7],
         pub emission_map: [f32; 7],
         pub normal_map: [f32; 7],
+        /// Mean roughness with its map.
+        pub mean_roughness: f32,
         /// Padding to 256 bytes, so that every device can bind one element as a uniform block.
-        pub padding: [u32; 24],
+        pub padding: [u32; 23],
     }
 }
 
@@ -115,7 +117,7 @@ pub struct DeviceScene {
     vertices: (BufferId, u32),
     indices: (BufferId, u32),
     draws: Draws,
-    materials: BufferId,
+    materials: (BufferId, u32),
     arrays: Vec<ImageId>,
     /// A white texel, bound in place of missing maps.
     blank: ImageId,
@@ -145,6 +147,8 @@ pub struct FrameScene<'f> {
     pub vertices: Buffer,
     /// Indices, three a triangle.
     pub indices: Buffer,
+    /// [`MaterialData`].
+    pub materials: Buffer,
     /// Alpha masks for points; `None` without masked materials.
     pub masks: Option<FrameMasks>,
     /// Meshes that bend.
@@ -177,14 +181,14 @@ impl DeviceScene {
         check("draws", scene.draws.len() * size_of::<DrawData>(), limits.storage_buffer_bytes)?;
         check("materials", scene.materials.len() * size_of::<MaterialData>(), limits.storage_buffer_bytes)?;
 
-        let (arrays, places) = upload_textures(gpu, scene)?;
-        let materials: Vec<MaterialData> = scene.materials.iter().map(|material| material_data(material, &places)).collect();
+        let (arrays, placed) = upload_textures(gpu, scene)?;
+        let materials: Vec<MaterialData> = scene.materials.iter().map(|material| material_data(material, &placed)).collect();
         let data = draw_data(scene);
         let draws = match &scene.animation {
             None => Draws::Still(gpu.create_filled_buffer("scene/draws", bytemuck::cast_slice(&data))?, data.len() as u32),
             Some(_) => Draws::Moving(data),
         };
-        let (buckets, bounds) = fill_buckets(scene, &places);
+        let (buckets, bounds) = fill_buckets(scene, &placed);
         let bending = scene.bending.as_ref().map(|bending| DeviceBending::upload(gpu, scene, bending)).transpose()?;
         Ok(Self {
             bounds: if scene.animation.is_some() { scene.bounds() } else { bounds },
@@ -193,7 +197,7 @@ impl DeviceScene {
             vertices: (gpu.create_filled_buffer("scene/vertices", bytemuck::cast_slice(&scene.vertices))?, scene.vertices.len() as u32),
             indices: (gpu.create_filled_buffer("scene/indices", bytemuck::cast_slice(&scene.indices))?, scene.indices.len() as u32),
             draws,
-            materials: gpu.create_filled_buffer("scene/materials", bytemuck::cast_slice(&materials))?,
+            materials: (gpu.create_filled_buffer("scene/materials", bytemuck::cast_slice(&materials))?, materials.len() as u32),
             arrays,
             blank: gpu.create_texture_array("scene/blank", Format::Rgba8Unorm, [1, 1], std::iter::once(vec![255; 4]))?,
             buckets,
@@ -235,6 +239,7 @@ impl DeviceScene {
             },
             bending: self.bending.as_ref().map(|bending| bending.import(g)),
             indices: g.import_buffer::<u32>("scene/indices", self.indices.0, self.indices.1),
+            materials: g.import_buffer::<MaterialData>("scene/materials", self.materials.0, self.materials.1),
             masks: self.masks.as_ref().map(|masks| masks.import(g)),
         }
     }
@@ -333,7 +338,7 @@ impl FrameScene<'_> {
         }
         DrawList {
             textures,
-            blocks: vec![ListBlock::of::<MaterialData>("material_block", self.scene.materials, key.material)],
+            blocks: vec![ListBlock::of::<MaterialData>("material_block", self.scene.materials.0, key.material)],
             constants,
             // Reflective shadow maps keep back faces: they stop light even if the camera does not see them.
             cull_back: !key.double_sided && maps != Maps::Reflection,

@@ -96,6 +96,11 @@ impl World {
         &self.skies
     }
 
+    /// The host's scene at the time that was set last.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
     /// The host's scene at second 0 of its animation.
     pub fn at_rest(&mut self) -> &Scene {
         self.scene.set_time(0.0);

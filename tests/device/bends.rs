@@ -20,7 +20,7 @@ const FPS: f32 = 4.0;
 
 /// A strip of 130 vertices, more than two workgroups, with eight joints a vertex, two targets and a normal map; three nodes show it, by two
 /// skins and without one.
-fn strips() -> Scene {
+pub fn strips() -> Scene {
     const N: usize = 130;
     let mut make = Make::empty();
     let along = |i: usize| (i / 2) as f32 / (N / 2) as f32;

@@ -25,6 +25,7 @@ mod light_caches;
 mod make;
 mod masks;
 mod memory;
+mod mixes;
 mod points;
 mod population;
 mod reference;

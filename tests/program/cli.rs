@@ -332,3 +332,11 @@ fn an_injected_fault_ends_with_its_code_names_what_it_met_and_leaves_no_file() {
         &["MANYLIGHT_FAULT", "flood"],
     );
 }
+
+#[test]
+fn a_config_may_have_the_name_of_the_preset_that_it_starts_from() {
+    let small = "base = \"cornell\"\n[frame]\nsize = [16, 16]\n[rsm]\nsize = [32, 32]\n[vpls]\ncount = 16\n";
+    let place = Place::new(&[("cornell.toml", small)]);
+    place.succeeds("cornell.toml -o out -q --device cpu");
+    assert!(place.path("out/image.png").exists());
+}

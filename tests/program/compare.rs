@@ -81,7 +81,7 @@ fn the_same_image_passes_the_strictest_thresholds() {
     let strict = ["--max-rmse", "0", "--max-relmse", "0", "--max-flip", "0", "--max-worst", "0", "--max-energy-error", "0"];
     let output = place.compare(&[&["a.exr", "b.exr"], &strict[..]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    assert_eq!(text(&output.stdout), "a.exr RGB  rmse 0  relmse 0  energy 1.0000  worst 0  flip 0\n");
+    assert_eq!(text(&output.stdout), "a.exr RGB  rmse 0  mae 0  relmse 0  energy 1.0000  worst 0  flip 0\n");
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn json_says_what_was_compared_how_it_was_and_over_all_frames() {
     assert_eq!((&json["test"], &json["reference"]), (&"test.exr".into(), &"reference.exr".into()));
     let [colors, depth, normals] = [0, 1, 2].map(|i| &json["frames"][i]);
     for line in [colors, depth, normals] {
-        assert_eq!(keys(line), ["energy", "exposures", "flip", "frame", "layer", "mean", "relmse", "rmse", "worst"]);
+        assert_eq!(keys(line), ["energy", "exposures", "flip", "frame", "layer", "mae", "mean", "relmse", "rmse", "worst"]);
     }
     assert_near(&colors["energy"], 1.1);
     assert_near(&depth["energy"], 1.1);

@@ -1,5 +1,7 @@
 //! Light caches on the device: made once, and kept over frames.
 
+use super::light_caches::bytes_of_vertex;
+use super::needs_rays;
 use crate::config::{Config, GatherMethod};
 use crate::gpu::{Adapter, BufferId, Gpu};
 use crate::graph::{Buffer, Graph, Member, ShaderStruct};
@@ -12,6 +14,7 @@ shader_struct! {
     /// A cache of an instance.
     pub struct PlacedCache {
         pub model_cache: u32,
+        /// [`NONE`] of the one cache of a scene without surfaces.
         pub draw: u32,
     }
 
@@ -86,9 +89,7 @@ impl Caches {
         let caches = LightCaches::of(scene, spacing, cache::user())?;
         let host = Host::of(scene, &caches);
         let limit = gpu.adapter.limits.storage_buffer_bytes;
-        // A vertex light has 32 bytes, and a vertex has two of them at most.
-        let bytes = (64 * host.listed.len()).max(size_of_val(host.lists.as_slice())) as u64;
-        let bytes = bytes.max(size_of_val(scene.vertices.as_slice()) as u64);
+        let bytes = size_of_val(host.lists.as_slice()).max(size_of_val(scene.vertices.as_slice())) as u64;
         if bytes > limit {
             return Err(fail!(
                 BadInput,
@@ -120,13 +121,24 @@ impl Caches {
         }
     }
 
-    /// Refuses more rays than a buffer has bits for: one for each pair of a cache and a VPL.
+    /// Refuses more vertices than a buffer has lights for, and more rays than it has bits for: one for each pair of a cache and a VPL.
     ///
     /// # Errors
     /// `BadInput`, with the key.
-    pub fn check_rays(&self, adapter: &Adapter, vpls: u32) -> Result<()> {
-        let bytes = 4 * u64::from(self.placed.1) * u64::from(vpls.div_ceil(32));
+    pub fn check(&self, adapter: &Adapter, vpls: u32, config: &Config) -> Result<()> {
         let limit = adapter.limits.storage_buffer_bytes.min(4 * u64::from(u32::MAX));
+        let bytes = u64::from(self.listed.1) * bytes_of_vertex(self.two_sided, &config.gather.light_caches);
+        if bytes > limit {
+            return Err(fail!(
+                BadInput,
+                "gather.method: the lights of {} vertices need {} MB, over the {} MB that {} lets a shader see; take another, or lower scene.triangles or raise scene.split",
+                self.listed.1,
+                bytes >> 20,
+                limit >> 20,
+                adapter.name
+            ));
+        }
+        let bytes = if needs_rays(config) { 4 * u64::from(self.placed.1) * u64::from(vpls.div_ceil(32)) } else { 0 };
         if bytes > limit {
             return Err(fail!(
                 BadInput,
@@ -200,7 +212,7 @@ impl Host {
         }
         if host.placed.is_empty() {
             host.model_caches.push(bytemuck::Zeroable::zeroed());
-            host.placed.push(PlacedCache { model_cache: 0, draw: 0 });
+            host.placed.push(PlacedCache { model_cache: 0, draw: NONE });
         }
         if host.listed.is_empty() {
             host.lists.push([NONE; NEIGHBOURS]);

@@ -6,6 +6,7 @@ use crate::config::{CacheOcclusion, Config, Culling, GatherMethod, Rasterization
 use crate::fail;
 use crate::gpu::{Adapter, Feature};
 use crate::graph::counted;
+use crate::scene::Scene;
 use crate::stages::facts::{Facts, planned_turns};
 use crate::stages::methods::{Choice, Method, NOTHING, Needs};
 use anyhow::Result;
@@ -162,6 +163,26 @@ pub fn choices(config: &Config, adapter: &Adapter) -> BTreeMap<&'static str, Val
         choices.insert(Rasterization::KEY, json!(resolved));
     }
     choices
+}
+
+/// Shortest part of a scene's diagonal that `scene.split` takes.
+const LEAST_SPLIT: f32 = 0.001;
+
+/// Warnings about a scene whose triangles are too large for a config's light caches: vertices alone know caches.
+pub fn warnings(config: &Config, scene: &Scene) -> Vec<String> {
+    let distance = config.gather.light_caches.distance;
+    if config.gather.method != GatherMethod::LightCaches {
+        return Vec::new();
+    }
+    let (longest, diagonal) = (scene.longest_edge(), scene.bounds().size().length());
+    if longest <= 1.01 * distance {
+        return Vec::new();
+    }
+    let split = (distance / diagonal / LEAST_SPLIT).floor() * LEAST_SPLIT;
+    let advice = if split < LEAST_SPLIT { "raise it".to_owned() } else { format!("take scene.split = {split:.3}") };
+    vec![format!(
+        "gather.light_caches.distance: edges of triangles are {longest:.2} m long, over the {distance} m that caches are apart, and light between their vertices is missed; {advice}"
+    )]
 }
 
 /// Warnings about a frame's light lists, from its counters.

@@ -9,7 +9,7 @@ mod splatting;
 mod statistics;
 mod stochastic;
 
-pub use limits::{MOST_TURNS, check, choices, methods, needs_rays, warnings_of_frame};
+pub use limits::{MOST_TURNS, check, choices, methods, needs_rays, warnings, warnings_of_frame};
 pub use statistics::means;
 pub use stochastic::Roulette;
 
@@ -62,7 +62,7 @@ shader_struct! {
 pub struct Indirect {
     /// Irradiance, W/m^2; with glossy receivers less the part that a dielectric's coat reflects.
     pub irradiance: Image,
-    /// Radiance that glossy receivers reflect to the eye; there if `gather.stochastic.receiver` is "ggx".
+    /// Radiance that glossy receivers reflect to the eye; there if receivers are glossy: [`GatherConfig::has_glossy_receivers`].
     pub reflection: Option<Image>,
     /// Interleaving pattern of both images, for the filter to remove.
     pub pattern: Interleave,

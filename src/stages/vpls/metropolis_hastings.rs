@@ -4,7 +4,7 @@ use super::super::rsm::Rsm;
 use super::importance::TexelImportance;
 use super::inverse_transform::Cumulative;
 use super::points::{self, TexelParams};
-use crate::config::{Acceptance, Evaluate, MetropolisHastingsConfig, VplsConfig, Weights};
+use crate::config::{Acceptance, Evaluate, MetropolisHastingsConfig, Scan, VplsConfig, Weights};
 use crate::graph::{Buffer, ComputePass, Graph, Image};
 
 /// Importance that the chains look up.
@@ -26,7 +26,7 @@ enum Source {
 pub(super) fn propose(g: &mut Graph, importance: &TexelImportance, rsm: &Rsm, params: &TexelParams, config: &VplsConfig) -> Proposed {
     let chains = &config.metropolis_hastings;
     if chains.weights == Weights::None {
-        let cumulative = Cumulative::of(g, importance, rsm);
+        let cumulative = Cumulative::of(g, importance, rsm, Scan::Blocked);
         return Proposed { importance: Source::Map(cumulative.importance), maps: Some(cumulative.maps) };
     }
     let source = match chains.evaluate {

@@ -12,7 +12,7 @@ use super::gbuffer::GBuffer;
 use super::methods::{Choice, NOTHING, Needs};
 use super::rsm::Rsm;
 use super::wants::Wants;
-use crate::config::{Config, Evaluate, Importance, Reflection, VplSampler, VplsConfig, Weights};
+use crate::config::{Config, Evaluate, Importance, Reflection, Scan, VplSampler, VplsConfig, Weights};
 use crate::fail;
 use crate::gpu::Feature;
 use crate::graph::{Buffer, ComputePass, Graph};
@@ -150,7 +150,7 @@ fn of_maps(g: &mut Graph, rsm: &Rsm, gbuffer: &GBuffer, wants: &Wants, config: &
         (Regular | Hammersley, Importance::View) => {
             let part = if config.sampler == Regular { "vpls/points-regular" } else { "vpls/points-hammersley" };
             let importance = TexelImportance::of(g, rsm, gbuffer, wants, config);
-            let cumulative = Cumulative::of(g, &importance, rsm);
+            let cumulative = Cumulative::of(g, &importance, rsm, Scan::Blocked);
             texels.chosen_by(g, "vpls/inverse-transform", &one_each, |pass| {
                 cumulative.bind(pass).part("points", part).constant("ROW_BY_LIGHT", true)
             })
@@ -175,7 +175,7 @@ fn of_maps(g: &mut Graph, rsm: &Rsm, gbuffer: &GBuffer, wants: &Wants, config: &
         }
         (InverseTransform, _) => {
             let importance = TexelImportance::of(g, rsm, gbuffer, wants, config);
-            let cumulative = Cumulative::of(g, &importance, rsm);
+            let cumulative = Cumulative::of(g, &importance, rsm, config.inverse_transform.scan);
             texels.chosen_by(g, "vpls/inverse-transform", &one_each, |pass| {
                 let two = config.inverse_transform.dimensions == 2;
                 cumulative.bind(pass).part("points", points::part(config)).constant("ROW_BY_LIGHT", two)

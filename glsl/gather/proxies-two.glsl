@@ -1,0 +1,2 @@
+// Caches with a light of diffuse light and one of glossy light.
+const uint PROXIES = 2u;

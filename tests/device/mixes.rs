@@ -1,0 +1,87 @@
+//! Presets take each other's parts: a mix renders, or is refused with a reason.
+
+use crate::common::*;
+use manylight::config::{Config, Kind, keys};
+use std::path::PathBuf;
+
+/// Sections whose names are mixed.
+const MIXED: [&str; 9] = ["vpls.", "bounce.", "visibility.", "gather.", "filter.", "ssao.", "sky.", "direct.", "materials."];
+
+/// Sizes at which a mix takes a moment, of a scene that has all that methods ask for.
+const SMALL: [&str; 10] = [
+    "scene.builtin=cornell",
+    "frame.size=[48,32]",
+    "frame.count=1",
+    "rsm.size=[32,32]",
+    "vpls.count=64",
+    "vpls.view_importance.samples=32",
+    "visibility.ism.point_count=2000",
+    "visibility.ism.map_size=32",
+    "gather.light_caches.distance=0.7",
+    "sky.count=64",
+];
+
+const MIXES: usize = 60;
+
+/// Presets that are a frame's methods, and not a walk.
+fn presets() -> Vec<PathBuf> {
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/configs"));
+    let mut presets: Vec<PathBuf> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|file| file.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "toml") && !path.to_str().unwrap().contains("walk"))
+        .collect();
+    presets.sort();
+    presets
+}
+
+#[test]
+fn sixty_random_mixes_of_all_methods_render_or_are_refused_with_a_reason() {
+    let names: Vec<(&str, Vec<&str>)> = keys()
+        .iter()
+        .filter(|info| MIXED.iter().any(|section| info.key.starts_with(section)))
+        .filter_map(|info| match &info.kind {
+            Kind::Choice(choices) => Some((info.key.as_str(), choices.iter().map(|choice| choice.name.as_str()).collect())),
+            _ => None,
+        })
+        .collect();
+    assert!(names.len() > 30, "{names:?}");
+    let presets = presets();
+    let mut scene = manylight::scene::builtin::cornell();
+    scene.split_triangles(0.1);
+    let mut renderer = traced(scene);
+    let numbers: Vec<f32> = random_numbers(4 * MIXES).into_iter().flatten().collect();
+    let mut numbers = numbers.into_iter();
+    let mut below = |n: usize| ((numbers.next().unwrap() * n as f32) as usize).min(n - 1);
+    let (mut rendered, mut refused) = (0, 0);
+    for _ in 0..MIXES {
+        let preset = &presets[below(presets.len())];
+        let mut sets: Vec<String> = SMALL.map(str::to_owned).into();
+        for _ in 0..5 {
+            let (key, choices) = &names[below(names.len())];
+            sets.push(format!("{key}=\"{}\"", choices[below(choices.len())]));
+        }
+        let mix = format!("{} --set {}", preset.file_stem().unwrap().to_str().unwrap(), sets[SMALL.len()..].join(" --set "));
+        let mut tried = |config: &Config| -> anyhow::Result<()> {
+            renderer.check(config)?;
+            let picture = renderer.render(config, 0, true, &Default::default())?.picture.unwrap();
+            let light: f32 = picture.radiance.rgb().map(|light| light.element_sum()).sum();
+            assert!(light.is_finite() && light > 0.0, "{mix}: the picture has {light}");
+            Ok(())
+        };
+        match manylight::config::load(preset, &sets).and_then(|loaded| tried(&loaded.config)) {
+            Ok(()) => rendered += 1,
+            Err(error) => {
+                refused += 1;
+                let message = format!("{error:#}");
+                println!("{mix}: {message}");
+                assert!(keys().iter().any(|info| message.contains(&format!("{}: ", info.key))), "{mix}: {message} names no key");
+            }
+        }
+        let messages = renderer.gpu().validation_messages();
+        assert!(messages.is_empty(), "{mix}: the validation layer says:\n{}", messages.join("\n"));
+    }
+    println!("{rendered} mixes rendered, {refused} were refused");
+    assert!(rendered >= MIXES / 2, "{rendered} mixes rendered, {refused} were refused");
+    finish(renderer.gpu());
+}
