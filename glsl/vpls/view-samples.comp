@@ -10,6 +10,9 @@
 
 layout(local_size_x = 64) in;
 
+// Whether light counts where it arrives: samples are white then, and not as they reflect.
+layout(constant_id = 0) const bool WHITE = false;
+
 layout(scalar, push_constant) uniform Params {
     vec2 shift; // rotation of the point set modulo 1
     uint count;
@@ -28,8 +31,8 @@ void main() {
     ViewSample it = ViewSample(at.position, -1.0, at.normal, 0.0, vec3(0.0), 1.0);
     if (at.distance > 0.0) {
         vec2 surface = texelFetch(metallic_roughness, pixel, 0).xy;
-        it.albedo = luminance(texelFetch(albedo, pixel, 0).rgb);
-        it.metallic = surface.x;
+        it.albedo = WHITE ? 1.0 : luminance(texelFetch(albedo, pixel, 0).rgb);
+        it.metallic = WHITE ? 0.0 : surface.x;
         it.roughness = surface.y;
         it.to_viewer = normalize(view.it.position - at.position);
     }

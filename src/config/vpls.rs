@@ -53,11 +53,23 @@ pub struct ViewImportanceConfig {
     /// good value; the paper has 0.
     #[schemars(range(min = 0, max = 0.99))]
     pub defensive: f32,
+    pub light: ViewLight,
+}
+
+/// Light by which a texel is important to the view.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ViewLight {
+    /// The light that view samples reflect to the camera (Barák, Bittner and Havran 2013, equations 1 and 2).
+    #[default]
+    Reflected,
+    /// The light that arrives at view samples, whatever their material (Bischoff, Schwandt and Broll 2017, equations 10 and 11).
+    Arriving,
 }
 
 impl Default for ViewImportanceConfig {
     fn default() -> Self {
-        Self { samples: 256, min_distance: None, defensive: 0.0 }
+        Self { samples: 256, min_distance: None, defensive: 0.0, light: ViewLight::Reflected }
     }
 }
 

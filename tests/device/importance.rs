@@ -4,7 +4,8 @@ use crate::common::*;
 use crate::population::*;
 use glam::{DVec3, Vec3};
 use manylight::config::{
-    Acceptance, Config, Dielectric, Evaluate, GatherMethod, Importance, LightConfig, Numbers, Reflection, VplSampler, Weights,
+    Acceptance, Config, Dielectric, Evaluate, GatherMethod, Importance, LightConfig, Numbers, Reflection, Scan, ViewLight, VplSampler,
+    Weights,
 };
 use manylight::renderer::{Rendered, Renderer};
 
@@ -151,6 +152,54 @@ fn the_inverse_transform_draws_texels_by_their_importance() {
         let error = (expected * (1.0 - expected) / f64::from(DRAWS)).sqrt();
         assert!((first - expected).abs() < 3.5 * error, "{dimensions} numbers: a light gets {first}, not {expected}");
     }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn sums_by_doubling_draw_texels_by_their_importance_too() {
+    let (mut renderer, mut config) = two_lamps();
+    config.rsm.size = [50, 31];
+    config.gather.interleave = 8.into();
+    config.vpls.sampler = VplSampler::InverseTransform;
+    config.vpls.count = 400_000;
+    config.vpls.inverse_transform.scan = Scan::Doubling;
+    let population = Population::of(&mut renderer, &config);
+    let total: f64 = population.importance.iter().sum();
+    let shares: Vec<f64> = population.importance.iter().map(|f| f / total).collect();
+    let found = population.weights(&vpls(&mut renderer, &config));
+    let mut counts = vec![0; population.len()];
+    for (texel, weight) in found {
+        let expected = total / population.len() as f64 / population.importance[texel];
+        assert!((weight / expected - 1.0).abs() < 1e-4, "texel {texel} weighs {weight}, not {expected}");
+        counts[texel] += 1;
+    }
+    let drawn: u64 = counts.iter().sum();
+    assert!(drawn as f64 > 0.9999 * 400_000.0, "{drawn} of 400000 are drawn where there is importance");
+    let off = chi_square(&counts, &shares);
+    println!("chi square is off by {off:.2} standard deviations");
+    assert!(off < 5.0, "chi square is off by {off} standard deviations");
+    finish(renderer.gpu());
+}
+
+#[test]
+fn light_that_arrives_counts_whatever_the_material_that_it_arrives_at() {
+    // All walls are alike, so that what arrives is what is reflected over their albedo.
+    let renderer_of = |albedo: f64| renderer(room(&walls(SIZE, [DVec3::splat(albedo); 6])));
+    let (_, mut config) = two_lamps();
+    config.vpls.sampler = VplSampler::InverseTransform;
+    config.vpls.view_importance.defensive = 0.0;
+    let mut renderer = renderer_of(0.25);
+    let mut map = |config: &Config| -> Vec<f32> { pod(&dump(&mut renderer, config, 0, &["vpls/importance-map"]), "vpls/importance-map") };
+    let reflected = map(&config);
+    config.vpls.view_importance.light = ViewLight::Arriving;
+    let arriving = map(&config);
+    assert!(reflected.iter().filter(|f| **f > 0.0).count() > 100);
+    for (reflected, arriving) in reflected.iter().zip(&arriving) {
+        assert!((0.25 * arriving - reflected).abs() <= 0.01 * reflected, "{arriving} arrives where {reflected} is reflected");
+    }
+    // Glossy receivers do not matter either.
+    (config.gather.method, config.gather.stochastic.receiver) = (GatherMethod::Stochastic, manylight::config::Receiver::Ggx);
+    assert!(map(&config) == arriving, "the importance hangs on the receivers' gloss");
     finish(renderer.gpu());
 }
 

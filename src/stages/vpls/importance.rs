@@ -4,7 +4,7 @@ use super::super::gbuffer::GBuffer;
 use super::super::rsm::Rsm;
 use super::super::wants::Wants;
 use super::points;
-use crate::config::{Dielectric, Importance, Reflection, VplsConfig};
+use crate::config::{Dielectric, Importance, Reflection, ViewLight, VplsConfig};
 use crate::gpu::Format;
 use crate::graph::{Buffer, ComputePass, Graph, Image};
 use crate::shader_struct;
@@ -122,7 +122,7 @@ impl ViewImportance {
 /// Draws the view samples, and finds the floor of importance if a share of the VPLs goes by power.
 fn view(g: &mut Graph, rsm: &Rsm, gbuffer: &GBuffer, wants: &Wants, config: &VplsConfig) -> ViewImportance {
     let importance = &config.view_importance;
-    let count = importance.samples;
+    let (count, arriving) = (importance.samples, importance.light == ViewLight::Arriving);
     let samples = g.buffer::<ViewSample>("vpls/view-samples", count);
     // Not the axes that points are drawn along, so that samples and points are independent.
     let [_, _, across, down] = points::shift(wants.seed);
@@ -133,6 +133,7 @@ fn view(g: &mut Graph, rsm: &Rsm, gbuffer: &GBuffer, wants: &Wants, config: &Vpl
         .reads("albedo", gbuffer.albedo)
         .reads("metallic_roughness", gbuffer.metallic_roughness)
         .writes("view_samples", samples)
+        .constant("WHITE", arriving)
         .params(&ViewSamplesParams { shift: [across, down], count })
         .dispatch([count, 1, 1]);
     let min_distance = importance.min_distance.unwrap_or(wants.min_distance);
@@ -142,7 +143,7 @@ fn view(g: &mut Graph, rsm: &Rsm, gbuffer: &GBuffer, wants: &Wants, config: &Vpl
         samples,
         floor: None,
         rsm: *rsm,
-        glossy_receivers: wants.glossy_receivers,
+        glossy_receivers: wants.glossy_receivers && !arriving,
         glossy_dielectric: wants.dielectric == Dielectric::Ggx,
         diffuse: config.reflection != Reflection::Glossy,
     };
