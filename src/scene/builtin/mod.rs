@@ -3,10 +3,15 @@
 mod atrium;
 mod caustics;
 mod cornell;
+mod foliage;
 mod noise;
+mod parts;
+#[cfg(test)]
+mod probe;
 mod profile;
 mod shapes;
 mod texels;
+mod textures;
 
 pub use atrium::{Atrium, atrium};
 pub use caustics::{Caustics, caustics};
