@@ -75,6 +75,7 @@ impl CameraConfig {
             let builtin = match config.scene.builtin {
                 Some(Builtin::Cornell) => "cornell",
                 Some(Builtin::Caustics) => "caustics",
+                Some(Builtin::Street) => "street",
                 Some(Builtin::Atrium) | None => "atrium",
             };
             let message = format!("only a glTF file has named cameras, and the scene is the built-in {builtin}; give position and target");

@@ -25,13 +25,14 @@ pub struct SceneConfig {
     #[schemars(extend("x-default" = "the file's first"))]
     pub animation: Option<SceneSelector>,
     pub builtin: Option<Builtin>,
-    /// Triangles of the built-in scene: about so many of the atrium, which has 10,000 at least, and exactly so many of the caustics.
+    /// Triangles of the built-in scene: about so many of the atrium, which has 10,000 at least, about so many of the street, which has 20,000
+    /// to 2,000,000, and exactly so many of the caustics.
     #[schemars(range(min = 8_000, max = 8_000_000))]
     pub triangles: u32,
     /// GGX's alpha of the caustics' metal. It is the square of a glTF material's roughness.
     #[schemars(range(min = 0.001, max = 1), extend("x-default" = "0.05 of the caustics"))]
     pub roughness: f32,
-    /// Seed of the atrium's random numbers.
+    /// Seed of the atrium's or the street's random numbers.
     pub seed: u32,
     /// Length of the longest edge after triangles are split, in units of the scene's diagonal. Maps of clusters bend long edges.
     /// Meshes with skins or morph targets are not split.
@@ -73,7 +74,7 @@ impl Serialize for SceneConfig {
                 table.serialize_field("triangles", &self.triangles)?;
             }
             match builtin {
-                Builtin::Atrium => table.serialize_field("seed", &self.seed)?,
+                Builtin::Atrium | Builtin::Street => table.serialize_field("seed", &self.seed)?,
                 Builtin::Caustics => table.serialize_field("roughness", &self.roughness)?,
                 Builtin::Cornell => {}
             }
@@ -104,6 +105,8 @@ pub enum Builtin {
     Caustics,
     /// The classic box with two blocks.
     Cornell,
+    /// A street of houses and shops, with cars, trees, and coloured panels in the sun.
+    Street,
 }
 
 /// Rules on keys that are there or not, before defaults fill them in.
@@ -123,10 +126,14 @@ pub(super) fn given(root: &Table) -> Result<()> {
         Some(Node { value: Value::Text(name), .. }) => name.as_str(),
         _ => "atrium",
     };
-    let knobs: [(&str, &[&str]); 3] = [("triangles", &["atrium", "caustics"]), ("seed", &["atrium"]), ("roughness", &["caustics"])];
-    for (knob, scenes) in knobs {
+    let knobs: [(&str, &[&str], &str); 3] = [
+        ("triangles", &["atrium", "caustics", "street"], "atrium, caustics and street have"),
+        ("seed", &["atrium", "street"], "atrium and street have"),
+        ("roughness", &["caustics"], "caustics has"),
+    ];
+    for (knob, scenes, have) in knobs {
         if let (false, Some(node)) = (scenes.contains(&builtin), scene.get(knob)) {
-            let message = format_args!("of the built-in scenes only {} has this knob; remove it", scenes.join(" and "));
+            let message = format_args!("of the built-in scenes only {have} this knob; remove it");
             return Err(error(&node.origin, &format!("scene.{knob}"), message));
         }
     }
@@ -136,9 +143,15 @@ pub(super) fn given(root: &Table) -> Result<()> {
 impl SceneConfig {
     /// Keys that exclude or need each other.
     pub(super) fn rules(config: &Config) -> Result<(), Broken> {
-        if config.scene.builtin == Some(Builtin::Atrium) && config.scene.triangles < 10_000 {
-            let message = format!("{} is too few for the atrium, expected 10000 to 8000000", config.scene.triangles);
-            return broken("scene.triangles", message);
+        let (name, least, most) = match config.scene.builtin {
+            Some(Builtin::Atrium) => ("atrium", 10_000, 8_000_000),
+            Some(Builtin::Street) => ("street", 20_000, 2_000_000),
+            Some(Builtin::Caustics | Builtin::Cornell) | None => return Ok(()),
+        };
+        let triangles = config.scene.triangles;
+        if !(least..=most).contains(&triangles) {
+            let amount = if triangles < least { "few" } else { "many" };
+            return broken("scene.triangles", format!("{triangles} is too {amount} for the {name}, expected {least} to {most}"));
         }
         Ok(())
     }

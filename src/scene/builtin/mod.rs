@@ -3,14 +3,21 @@
 mod atrium;
 mod caustics;
 mod cornell;
+mod foliage;
 mod noise;
+mod parts;
+#[cfg(test)]
+mod probe;
 mod profile;
 mod shapes;
+mod street;
 mod texels;
+mod textures;
 
 pub use atrium::{Atrium, atrium};
 pub use caustics::{Caustics, caustics};
 pub use cornell::cornell;
+pub use street::{Street, street};
 
 /// Level of detail of curved surfaces; 1 is the default scene's.
 #[derive(Debug, Clone, Copy)]

@@ -27,7 +27,7 @@ impl Mesh {
     }
 
     /// Adds a triangle that faces the side of its normals; a degenerate one is left out.
-    fn facing(&mut self, [a, b, c]: [u32; 3]) {
+    pub(super) fn facing(&mut self, [a, b, c]: [u32; 3]) {
         let [pa, pb, pc] = [a, b, c].map(|i| self.positions[i as usize]);
         let area = (pb - pa).cross(pc - pa);
         let longest = pa.distance_squared(pb).max(pb.distance_squared(pc)).max(pc.distance_squared(pa));
@@ -66,7 +66,13 @@ impl Mesh {
 
     /// The faces of a box in `faces` (any of `-x+x-y+y-z+z`, a sign and a letter each), textured in metres over `tile`.
     pub(super) fn cuboid(&mut self, min: Vec3, max: Vec3, faces: &str, tile: f32) {
+        self.divided_cuboid(min, max, faces, f32::INFINITY, tile);
+    }
+
+    /// The faces of a box in cells of at most `cell` metres.
+    pub(super) fn divided_cuboid(&mut self, min: Vec3, max: Vec3, faces: &str, cell: f32, tile: f32) {
         let size = max - min;
+        let cells = |length: f32| ((length / cell - 1e-3).ceil() as usize).max(1);
         for face in faces.as_bytes().chunks(2) {
             let axis = match face[1] {
                 b'x' => 0,
@@ -85,7 +91,7 @@ impl Mesh {
             let mut corner = min;
             corner[axis] = if positive { max[axis] } else { min[axis] };
             let (u, v) = (right * size, up * size);
-            self.patch(1, 1, |a, b| {
+            self.patch(cells(u.length()), cells(v.length()), |a, b| {
                 let p = corner + u * a + v * b;
                 (p, normal, Vec2::new(p.dot(right), -p.dot(up)) / tile)
             });

@@ -51,6 +51,14 @@ pub fn normals(name: &str, size: usize, height: impl Fn(usize, usize) -> f32 + S
     Texture { name: name.into(), width: size as u32, height: size as u32, srgb: false, texels }
 }
 
+/// Textures of these makers, in their order, painted at the same time.
+pub fn all<const COUNT: usize>(makers: [fn(&Fields, u32) -> Texture; COUNT], fields: &Fields, seed: u32) -> [Texture; COUNT] {
+    let mut made: Vec<Texture> = makers.par_iter().map(|make| make(fields, seed)).collect();
+    std::array::from_fn(|i| {
+        std::mem::replace(&mut made[i], Texture { name: String::new(), width: 0, height: 0, srgb: false, texels: vec![] })
+    })
+}
+
 fn rows(size: usize, texel: impl Fn(usize, usize) -> [u8; 4] + Sync) -> Vec<u8> {
     let mut texels = vec![0u8; size * size * 4];
     texels.par_chunks_mut(size * 4).enumerate().for_each(|(y, row)| {

@@ -19,7 +19,7 @@ mod tests;
 mod textures;
 
 use super::Detail;
-use crate::scene::builder::Mesh;
+use super::parts::{self, Part};
 use crate::scene::{Camera, Light, Scene};
 use glam::{Affine3A, Quat, Vec3};
 use materials::Palette;
@@ -72,34 +72,6 @@ impl Atrium {
 impl Default for Atrium {
     fn default() -> Self {
         Self { triangles: 260_000, seed: 0 }
-    }
-}
-
-/// A mesh with one material and its instances.
-struct Part {
-    mesh: Mesh,
-    material: u32,
-    transforms: Vec<Affine3A>,
-}
-
-impl Part {
-    fn once(mesh: Mesh, material: u32) -> Self {
-        Self { mesh, material, transforms: vec![Affine3A::IDENTITY] }
-    }
-
-    fn at(mesh: Mesh, material: u32, transforms: Vec<Affine3A>) -> Self {
-        Self { mesh, material, transforms }
-    }
-
-    /// Copies of a small mesh in one draw, cheaper than a draw per copy.
-    fn merged(mesh: &Mesh, material: u32, places: &[Affine3A]) -> Self {
-        let mut all = Mesh::default();
-        places.iter().for_each(|&place| all.append(mesh, place));
-        Self::once(all, material)
-    }
-
-    fn triangles(&self) -> usize {
-        self.mesh.triangle_count() * self.transforms.len()
     }
 }
 
@@ -195,7 +167,7 @@ pub fn atrium(knobs: &Atrium) -> Scene {
     let mut scene = Scene { name: "atrium".into(), ..Scene::default() };
     let palette = materials::add(&mut scene, knobs.seed);
     for part in parts_of_size(knobs, palette) {
-        scene.add_mesh(&part.mesh, part.material, &part.transforms);
+        part.add_to(&mut scene);
     }
     scene.lights.push(Light::Directional { direction: Vec3::new(0.34, -1.0, 0.25).normalize(), irradiance: Vec3::new(22.0, 20.5, 18.0) });
     scene.cameras.push(Camera {
@@ -208,32 +180,7 @@ pub fn atrium(knobs: &Atrium) -> Scene {
     scene
 }
 
-/// The parts at the level of detail whose triangle count is nearest to the number asked for.
 fn parts_of_size(knobs: &Atrium, palette: Palette) -> Vec<Part> {
-    let target = knobs.triangles.clamp(*Atrium::TRIANGLES.start(), *Atrium::TRIANGLES.end()) as f32;
-    let build = |log: f32| parts(&Plan { detail: Detail(log.exp()), seed: knobs.seed, palette });
-
-    // The count grows nearly as the square of the detail at high levels, and in steps at low levels: a few Newton steps, then
-    // bisection.
-    let mut log = 0.5 * (target / 420_000.0).ln();
-    let (mut low, mut high) = (-4.0f32, 3.0f32);
-    let mut best: Option<(f32, Vec<Part>)> = None;
-    for step in 0..18 {
-        let parts = build(log);
-        let error = parts.iter().map(Part::triangles).sum::<usize>() as f32 / target - 1.0;
-        if best.as_ref().is_none_or(|b| error.abs() < b.0.abs()) {
-            best = Some((error, parts));
-        }
-        if error.abs() < 0.01 {
-            break;
-        }
-        if error > 0.0 {
-            high = log;
-        } else {
-            low = log;
-        }
-        let newton = log - 0.5 * error.ln_1p();
-        log = if step < 4 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
-    }
-    best.map_or_else(Vec::new, |b| b.1)
+    let target = knobs.triangles.clamp(*Atrium::TRIANGLES.start(), *Atrium::TRIANGLES.end());
+    parts::of_size(target, 420_000.0, |detail| parts(&Plan { detail, seed: knobs.seed, palette }))
 }

@@ -2,6 +2,7 @@
 
 use super::{HALF, PITCH, PLINTH, Part, Plan};
 use crate::scene::builder::Mesh;
+use crate::scene::builtin::foliage::{Crown, direction};
 use crate::scene::builtin::noise::Random;
 use crate::scene::builtin::profile::Profile;
 use glam::{Affine3A, Quat, Vec2, Vec3};
@@ -77,33 +78,16 @@ fn turned(profile: &Profile, radius: f32, height: f32, plan: &Plan) -> (Mesh, Me
 /// An orange tree: trunk, sprigs of leaves all over a ball, and oranges among them.
 fn orange_tree(plan: &Plan) -> (Mesh, Mesh, Mesh) {
     let mut random = Random::new(plan.seed ^ 0x0a12);
-    let (mut trunk, mut crown, mut fruit) = (Mesh::default(), Mesh::default(), Mesh::default());
+    let (mut trunk, mut fruit) = (Mesh::default(), Mesh::default());
     let bark = Profile::from(0.045, 0.5).curve((0.025, 0.7), (0.03, 1.0), 4.0).curve((0.035, 1.3), (0.02, 1.75), 4.0);
     trunk.lathe(&bark, plan.detail.count(10.0, 3), plan.detail, 0.5);
     let center = Vec3::new(0.0, 1.78, 0.0);
     let sprigs = ((520.0 * plan.detail.0.powf(0.8)) as usize).max(24);
     let cells = plan.detail.count(1.6, 1);
+    let cells = if plan.detail.shows(0.25) { [cells * 2, cells] } else { [1, 1] };
     // Sprigs are larger if they are fewer, so that the crown stays closed.
     let size = 0.25 * (520.0 / sprigs as f32).sqrt().clamp(0.75, 2.6);
-    for i in 0..sprigs {
-        let out = direction(i, sprigs, &mut random);
-        let radius = 0.56 * random.range(0.62, 1.0) * (1.0 + 0.10 * (3.0 * out.x + 5.0 * out.z).sin());
-        let foot = center + out * Vec3::new(1.0, 0.94, 1.0) * (radius - 0.35 * size);
-        let lean = (out + Vec3::new(random.range(-0.7, 0.7), random.range(-0.3, 0.7), random.range(-0.7, 0.7))).normalize();
-        let right = lean.cross(Vec3::new(random.range(-1.0, 1.0), 1.0, random.range(-1.0, 1.0))).normalize_or(Vec3::X);
-        let up = right.cross(lean).normalize();
-        let outward = if up.dot(out) < 0.0 { -up } else { up };
-        let (length, half, droop) = (size * random.range(0.8, 1.2), size * 0.45, random.range(0.02, 0.35) * size);
-        crown.surface(
-            if plan.detail.shows(0.25) { [cells * 2, cells] } else { [1, 1] },
-            false,
-            |u, v| {
-                let side = 2.0 * u - 1.0;
-                foot + lean * (length * v) + right * (half * side) - outward * (droop * v * v + 0.18 * half * side * side)
-            },
-            |u, v| Vec2::new(u, 1.0 - v),
-        );
-    }
+    let crown = Crown { center, radius: 0.56, aspect: Vec3::new(1.0, 0.94, 1.0), sprigs, size }.grow(&mut random, |_| cells);
     let ball = Profile::from(0.0, -0.042).curve((0.042, -0.042), (0.042, 0.0), 4.0).curve((0.042, 0.042), (0.0, 0.042), 4.0);
     for i in 0..26 {
         let out = direction(i, 26, &mut random);
@@ -112,14 +96,6 @@ fn orange_tree(plan: &Plan) -> (Mesh, Mesh, Mesh) {
         fruit.append(&orange, Affine3A::from_translation(center + out * random.range(0.48, 0.55)));
     }
     (trunk, crown, fruit)
-}
-
-/// The i-th of n directions, evenly spread and jittered a little.
-fn direction(i: usize, n: usize, random: &mut Random) -> Vec3 {
-    let z = 1.0 - 2.0 * (i as f32 + 0.5) / n as f32;
-    let (sin, cos) = (i as f32 * 2.399_963 + random.range(-0.2, 0.2)).sin_cos();
-    let r = (1.0 - z * z).sqrt();
-    Vec3::new(r * cos, z, r * sin)
 }
 
 /// A rosette of thick pointed leaves that bend outwards.
