@@ -4,14 +4,16 @@
 // Occlusion of the proxy lights by double projection (Bischoff, Schwandt and Broll 2017, section 3, "Occlusion", after Lensing and Broll
 // 2013): the proxy's sphere and the caches' disks are projected to the unit sphere around a cache and on to its unit disk (Nusselt's
 // analogue), where a body of form factor F covers the area pi F. There they are squares of this area, whose overlap is the occlusion. A
-// workgroup has a cache, and skips tiles of other caches that lie behind it or are farther off than its lights.
+// workgroup has four caches, which lie close together, and skips tiles of others that are behind them or farther off than their lights.
 #include "gather/cache-tile.glsl"
 #include "lib/basis.glsl"
 #include "lib/light-cache.glsl"
 #include "lib/pi.glsl"
 #include "part/proxies=gather/proxies-one"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = 32) in;
+
+const uint LANES = 32u;
 
 // Whether a cache must lie before all of a proxy's sphere to shadow it, and not only before its middle.
 layout(constant_id = 0) const bool BEFORE_SPHERE = false;
@@ -39,8 +41,18 @@ struct Square {
     float covered; // area of the squares over it so far
 };
 
+// A cache, and its lights.
+struct Target {
+    uint number;
+    bool is_cache;
+    LightCache cache;
+    mat3 frame;
+    Square diffuse;
+    Square glossy;
+};
+
 shared uint listed[2]; // tiles, a bit each
-shared vec2 covered[64];
+shared vec4 covered[LANES][2]; // areas over the lights of the four caches: diffuse and glossy
 
 Square square_of(LightCache cache, ProxyLight proxy, mat3 frame) {
     float squared = dot(proxy.way, proxy.way);
@@ -63,58 +75,93 @@ void cover(inout Square square, float away, vec2 at, float half_side) {
     }
 }
 
-// Whether a tile may have a cache that is before the plane and within a squared distance, with slack far above the rounding.
-bool meets(CacheTile tile, LightCache cache, float reach) {
-    vec3 low = tile.low - cache.position, high = tile.high - cache.position;
-    vec3 off = max(max(low, -high), vec3(0.0)), up = max(cache.normal * low, cache.normal * high);
-    return dot(off, off) <= reach * 1.0001 && dot(up, vec3(1.0)) > -1e-5 * dot(abs(up), vec3(1.0));
-}
-
-void main() {
-    uint number = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, me = gl_LocalInvocationID.x;
+Target target_of(uint number) {
     bool is_cache = number < params.count;
     uint mine = is_cache ? number : 0u;
     LightCache cache = caches.at[mine];
     mat3 frame = basis_of(cache.normal);
-    ProxyLight proxy = proxies.at[mine * PROXIES];
-    Square diffuse = square_of(cache, proxy, frame), glossy = diffuse;
+    Square diffuse = square_of(cache, proxies.at[mine * PROXIES], frame), glossy = diffuse;
     if (PROXIES == 2u) glossy = square_of(cache, proxies.at[mine * PROXIES + 1u], frame);
-    float reach = is_cache ? max(diffuse.reach, glossy.reach) : 0.0;
+    if (!is_cache) diffuse.reach = glossy.reach = 0.0;
+    return Target(number, is_cache, cache, frame, diffuse, glossy);
+}
+
+// Adds what cache `i` hides.
+void hide(inout Target target, uint i, LightCache other) {
+    vec3 way = other.position - target.cache.position;
+    float away = dot(way, way), to = dot(target.cache.normal, way), facing = -dot(other.normal, way);
+    if (!(to > 0.0 && away < max(target.diffuse.reach, target.glossy.reach)) || i == target.number) return;
+    // Each side of a surface that has two has caches of its own.
+    if ((FRONTS || other.one_of_two != 0u) && facing <= 0.0) return;
+    float form = other.area * to * abs(facing) / (away * (other.area + PI * away));
+    vec2 at = vec2(dot(way, target.frame[0]), dot(way, target.frame[1])) * inversesqrt(away);
+    float half_side = 0.5 * sqrt(PI * form);
+    cover(target.diffuse, away, at, half_side);
+    if (PROXIES == 2u) cover(target.glossy, away, at, half_side);
+}
+
+// Whether a tile may have a cache that is before the plane and within a squared distance, with slack far above the rounding.
+bool meets(CacheTile tile, Target target) {
+    vec3 low = tile.low - target.cache.position, high = tile.high - target.cache.position;
+    vec3 off = max(max(low, -high), vec3(0.0)), up = max(target.cache.normal * low, target.cache.normal * high);
+    float reach = max(target.diffuse.reach, target.glossy.reach);
+    return dot(off, off) <= reach * 1.0001 && dot(up, vec3(1.0)) > -1e-5 * dot(abs(up), vec3(1.0));
+}
+
+// Stores the shares that reach a cache, and counts it if it lies within the sphere of its diffuse light.
+void store(Target target, vec2 hidden) {
+    if (!target.is_cache) return;
+    seen.at[target.number * PROXIES] = 1.0 - min(hidden.x / (PI * target.diffuse.form), 1.0);
+    if (PROXIES == 2u) seen.at[target.number * PROXIES + 1u] = 1.0 - min(hidden.y / (PI * target.glossy.form), 1.0);
+    ProxyLight proxy = proxies.at[target.number * PROXIES];
+    bool is_lit = any(greaterThan(proxy.irradiance, vec3(0.0)));
+    if (is_lit && length(proxy.way) < max(params.deviations * proxy.extent, params.least_radius)) atomicAdd(within.count, 1u);
+}
+
+void main() {
+    uint first_target = 4u * (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x), me = gl_LocalInvocationID.x;
+    Target a = target_of(first_target), b = target_of(first_target + 1u), c = target_of(first_target + 2u), d = target_of(first_target + 3u);
     uint all_tiles = (params.count + 63u) / 64u;
-    for (uint first = 0u; first < all_tiles; first += 64u) {
+    for (uint first = 0u; first < all_tiles; first += 2u * LANES) {
         barrier();
         if (me < 2u) listed[me] = 0u;
         barrier();
-        if (first + me < all_tiles && meets(tiles.at[first + me], cache, reach)) atomicOr(listed[me / 32u], 1u << (me % 32u));
+        for (uint word = 0u; word < 2u; word++) {
+            uint number = first + word * LANES + me;
+            if (number >= all_tiles) continue;
+            CacheTile tile = tiles.at[number];
+            if (meets(tile, a) || meets(tile, b) || meets(tile, c) || meets(tile, d)) atomicOr(listed[word], 1u << me);
+        }
         barrier();
         for (uint word = 0u; word < 2u; word++) {
             uint bits = listed[word];
             while (bits != 0u) {
-                uint i = (first + word * 32u + uint(findLSB(bits))) * 64u + me;
+                uint tile = first + word * LANES + uint(findLSB(bits));
                 bits &= bits - 1u;
-                if (i >= params.count || i == number) continue;
-                LightCache other = caches.at[i];
-                vec3 way = other.position - cache.position;
-                float away = dot(way, way), to = dot(cache.normal, way), facing = -dot(other.normal, way);
-                // Each side of a surface that has two has caches of its own.
-                if (!(to > 0.0 && away < reach) || ((FRONTS || other.one_of_two != 0u) && facing <= 0.0)) continue;
-                float form = other.area * to * abs(facing) / (away * (other.area + PI * away));
-                vec2 at = vec2(dot(way, frame[0]), dot(way, frame[1])) * inversesqrt(away);
-                float half_side = 0.5 * sqrt(PI * form);
-                cover(diffuse, away, at, half_side);
-                if (PROXIES == 2u) cover(glossy, away, at, half_side);
+                for (uint i = tile * 64u + me; i < min(tile * 64u + 64u, params.count); i += LANES) {
+                    LightCache other = caches.at[i];
+                    hide(a, i, other);
+                    hide(b, i, other);
+                    hide(c, i, other);
+                    hide(d, i, other);
+                }
             }
         }
     }
-    covered[me] = vec2(diffuse.covered, glossy.covered);
+    covered[me][0] = vec4(a.diffuse.covered, b.diffuse.covered, c.diffuse.covered, d.diffuse.covered);
+    covered[me][1] = vec4(a.glossy.covered, b.glossy.covered, c.glossy.covered, d.glossy.covered);
     barrier();
-    for (uint half_ = 32u; half_ > 0u; half_ >>= 1u) {
-        if (me < half_) covered[me] += covered[me + half_];
+    for (uint half_ = LANES / 2u; half_ > 0u; half_ >>= 1u) {
+        if (me < half_) {
+            covered[me][0] += covered[me + half_][0];
+            covered[me][1] += covered[me + half_][1];
+        }
         barrier();
     }
-    if (me != 0u || !is_cache) return;
-    seen.at[number * PROXIES] = 1.0 - min(covered[0].x / (PI * diffuse.form), 1.0);
-    if (PROXIES == 2u) seen.at[number * PROXIES + 1u] = 1.0 - min(covered[0].y / (PI * glossy.form), 1.0);
-    bool is_lit = any(greaterThan(proxy.irradiance, vec3(0.0)));
-    if (is_lit && length(proxy.way) < max(params.deviations * proxy.extent, params.least_radius)) atomicAdd(within.count, 1u);
+    if (me != 0u) return;
+    vec4 diffuse = covered[0][0], glossy = covered[0][1];
+    store(a, vec2(diffuse.x, glossy.x));
+    store(b, vec2(diffuse.y, glossy.y));
+    store(c, vec2(diffuse.z, glossy.z));
+    store(d, vec2(diffuse.w, glossy.w));
 }

@@ -10,7 +10,9 @@
 #include "lib/vpl.glsl"
 #include "part/proxies=gather/proxies-one"
 
-layout(local_size_x = 256) in;
+layout(local_size_x = 32) in;
+
+const uint LANES = 32u;
 
 // Whether brighter VALs draw the proxy nearer; in the paper they do not.
 layout(constant_id = 0) const bool BY_FLUX = false;
@@ -88,7 +90,7 @@ void add(inout Gathering g, uint i, vec3 position, vec3 facing, vec3 intensity, 
     }
 }
 
-shared Sums sums[256];
+shared Sums sums[LANES];
 
 // Sums of all invocations, for the first one.
 Sums total(Sums mine) {
@@ -96,7 +98,7 @@ Sums total(Sums mine) {
     barrier();
     sums[me] = mine;
     barrier();
-    for (uint half_ = 128u; half_ > 0u; half_ >>= 1u) {
+    for (uint half_ = LANES / 2u; half_ > 0u; half_ >>= 1u) {
         if (me < half_) {
             Sums other = sums[me + half_];
             sums[me].irradiance += other.irradiance;
@@ -136,22 +138,38 @@ void finish(Gathering g) {
     }
 }
 
+// The workgroup's caches.
+struct Four {
+    Gathering a;
+    Gathering b;
+    Gathering c;
+    Gathering d;
+};
+
+void add(inout Four caches_, uint i) {
+    float beam = i < params.count ? areas.at[i] : 0.0;
+    if (!(beam > 0.0)) return;
+    VplPlace place = places.at[i];
+    vec3 facing = octahedral_snorm16_inverse(place.normal), intensity = intensities.at[i];
+    vec2 disk = disk_of(i, beam);
+    add(caches_.a, i, place.position, facing, intensity, disk);
+    add(caches_.b, i, place.position, facing, intensity, disk);
+    add(caches_.c, i, place.position, facing, intensity, disk);
+    add(caches_.d, i, place.position, facing, intensity, disk);
+}
+
 void main() {
     uint first = 4u * (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x);
-    Gathering a = gathering(first), b = gathering(first + 1u), c = gathering(first + 2u), d = gathering(first + 3u);
-    for (uint i = gl_LocalInvocationID.x; i < params.count; i += 256u) {
-        float beam = areas.at[i];
-        if (!(beam > 0.0)) continue;
-        VplPlace place = places.at[i];
-        vec3 facing = octahedral_snorm16_inverse(place.normal), intensity = intensities.at[i];
-        vec2 disk = disk_of(i, beam);
-        add(a, i, place.position, facing, intensity, disk);
-        add(b, i, place.position, facing, intensity, disk);
-        add(c, i, place.position, facing, intensity, disk);
-        add(d, i, place.position, facing, intensity, disk);
+    Four four = Four(gathering(first), gathering(first + 1u), gathering(first + 2u), gathering(first + 3u));
+    // Four VALs a turn: llvmpipe ends all loops of an invocation together after 65,535 turns.
+    for (uint i = gl_LocalInvocationID.x; i < params.count; i += 4u * LANES) {
+        add(four, i);
+        add(four, i + LANES);
+        add(four, i + 2u * LANES);
+        add(four, i + 3u * LANES);
     }
-    finish(a);
-    finish(b);
-    finish(c);
-    finish(d);
+    finish(four.a);
+    finish(four.b);
+    finish(four.c);
+    finish(four.d);
 }

@@ -151,7 +151,7 @@ fn seen(disks: &[(Vec3, Vec3, f32)], angles: &[f32], choice: &DoubleProjectionCo
             .constant("BEFORE_SPHERE", choice.before == Before::Sphere)
             .constant("FRONTS", choice.sides == OccluderSides::Front)
             .params(&OcclusionParams { count, least_radius: 0.0, deviations: 1.0 })
-            .dispatch_groups([count, 1, 1]);
+            .dispatch_groups([count.div_ceil(4), 1, 1]);
         let read = g.read_back(seen);
         let outcome = engine.execute(&g, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
         f32::from_bits(words(outcome.bytes(read)).next().unwrap())

@@ -99,7 +99,7 @@ fn rows(count: u32) -> [u32; 3] {
     [count.min(ROW), count.div_ceil(ROW), 1]
 }
 
-/// Caches that a workgroup gathers at: a VAL is fetched once for all of them.
+/// Caches that a workgroup gathers at, and shadows: a VAL, and another cache, is fetched once for all of them.
 const GATHERED: u32 = 4;
 
 /// Caches of a tile, which are skipped together.
@@ -326,7 +326,7 @@ fn occlusion(g: &mut Graph, caches: Buffer, proxies: Buffer, config: &LightCache
                 ProxyRadius::TwoSigma => 2.0,
             },
         })
-        .dispatch_groups(rows(count));
+        .dispatch_groups(rows(count.div_ceil(GATHERED)));
     seen
 }
 
