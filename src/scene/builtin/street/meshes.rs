@@ -88,7 +88,14 @@ impl Mesh {
     }
 
     /// The rectangles between successive lines `xs` and `zs` of a floor, but for those that are holes. `uv` is of (x, z).
-    pub(super) fn floor(&mut self, [xs, zs]: [&[f32]; 2], y: f32, cell: f32, hole: impl Fn(usize, usize) -> bool, uv: impl Fn(Vec2) -> Vec2) {
+    pub(super) fn floor(
+        &mut self,
+        [xs, zs]: [&[f32]; 2],
+        y: f32,
+        cell: f32,
+        hole: impl Fn(usize, usize) -> bool,
+        uv: impl Fn(Vec2) -> Vec2,
+    ) {
         for (i, x) in xs.windows(2).enumerate() {
             for (j, z) in zs.windows(2).enumerate() {
                 if hole(i, j) {
