@@ -216,7 +216,7 @@ fn mouldings(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
         .curve((0.06, y - 0.02), (0.12, y - 0.02), 3.0)
         .line(0.13, y + 0.05)
         .line(-0.01, y + 0.09);
-    stone.moulding(&course, along, front.ends, front.z, plan.cell(), plan.detail, 1.5);
+    stone.moulding(&course, along, front.ends, front.z, plan, 1.5);
     let y = house.eaves();
     let cornice = Profile::from(-0.01, y - 0.44)
         .line(0.05, y - 0.44)
@@ -227,7 +227,7 @@ fn mouldings(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
         .curve((0.29, y - 0.09), (0.32, y - 0.04), 3.0)
         .line(0.38, y)
         .line(-0.01, y);
-    stone.moulding(&cornice, along, front.ends, front.z, plan.cell(), plan.detail, 1.5);
+    stone.moulding(&cornice, along, front.ends, front.z, plan, 1.5);
     // Brackets under the cornice.
     if plan.detail.shows(0.55) {
         let count = (front.width / 0.62) as usize;

@@ -98,7 +98,7 @@ fn bed(plan: &Plan) -> (Mesh, Mesh) {
             let (x, z) = (inner * (2.0 * v - 1.0), inner * (2.0 * u - 1.0));
             Vec3::new(x, 0.05 + 0.05 * (1.0 - (x / inner).powi(2)) * (1.0 - (z / inner).powi(2)), z)
         },
-        |u, v| glam::Vec2::new(u, v),
+        glam::Vec2::new,
     );
     (edge, soil)
 }
