@@ -65,21 +65,11 @@ const SHAPES: [Shape; 3] = [
 /// Bays on the sunny side and in the shade with a car: the bay, the car's shape, its paint.
 const SUNNY: [(i32, usize, usize); 9] =
     [(-8, 0, 3), (-7, 1, 2), (-5, 0, 4), (-3, 2, 1), (-2, 0, 0), (0, 1, 3), (2, 0, 6), (3, 1, 5), (7, 0, 1)];
-const SHADY: [(i32, usize, usize); 11] = [
-    (-8, 1, 5),
-    (-6, 0, 1),
-    (-5, 1, 0),
-    (-3, 0, 2),
-    (-2, 1, 3),
-    (0, 0, 4),
-    (1, 2, 3),
-    (3, 1, 1),
-    (4, 0, 0),
-    (6, 1, 6),
-    (8, 0, 3),
-];
+const SHADY: [(i32, usize, usize); 11] =
+    [(-8, 1, 5), (-6, 0, 1), (-5, 1, 0), (-3, 0, 2), (-2, 1, 3), (0, 0, 4), (1, 2, 3), (3, 1, 1), (4, 0, 0), (6, 1, 6), (8, 0, 3)];
 /// Cars on their way: place, turn, shape, paint.
-const DRIVING: [([f32; 2], f32, usize, usize); 3] = [([-14.0, 1.45], 0.0, 1, 1), ([22.0, -1.5], PI, 0, 0), ([61.2, -11.0], FRAC_PI_2, 2, 2)];
+const DRIVING: [([f32; 2], f32, usize, usize); 3] =
+    [([-14.0, 1.45], 0.0, 1, 1), ([22.0, -1.5], PI, 0, 0), ([61.2, -11.0], FRAC_PI_2, 2, 2)];
 
 pub fn parts(plan: &Plan) -> Vec<Part> {
     let palette = &plan.palette;
@@ -171,7 +161,7 @@ impl Shape {
     fn begin(&self, x: f32) -> f32 {
         let arch = self.axles.iter().map(|axle| {
             let (dx, radius) = (x - axle, self.wheel + 0.065);
-            if dx.abs() <= radius { self.wheel + (radius * radius - dx * dx).max(0.0).sqrt() } else { 0.0 }
+            if dx.abs() < radius - 1e-3 { self.wheel + (radius * radius - dx * dx).max(0.0).sqrt() } else { 0.0 }
         });
         let foot = arch.fold(SILL, f32::max);
         let end = self.end(x).max(1e-3);
@@ -182,26 +172,22 @@ impl Shape {
 
     /// Places of the sections: close together at the ends and along the arches.
     fn stations(&self, plan: &Plan) -> Vec<f32> {
-        let (ends, arch, middle) = (plan.detail.count(7.0, 2), plan.detail.count(12.0, 4), plan.detail.count(6.0, 1));
+        let (ends, arch, middle) = (plan.detail.count(7.0, 1), plan.detail.count(12.0, 2), plan.detail.count(6.0, 1));
         let radius = self.wheel + 0.065;
         let [rear, front] = self.axles;
         let mut xs = Vec::new();
         for i in 0..ends {
             // Denser towards the very end.
             let t = 1.0 - i as f32 / ends as f32;
-            xs.push(mix(rear - radius - 1e-3, -self.half.x, (FRAC_PI_2 * t).sin()));
+            xs.push(mix(rear - radius, -self.half.x, (FRAC_PI_2 * t).sin()));
         }
         let arc = |axle: f32| (0..=arch).map(move |i| axle - radius * (PI * i as f32 / arch as f32).cos());
-        xs.push(rear - radius - 1e-3);
         xs.extend(arc(rear));
-        xs.push(rear + radius + 1e-3);
         xs.extend((1..middle).map(|i| mix(rear + radius, front - radius, i as f32 / middle as f32)));
-        xs.push(front - radius - 1e-3);
         xs.extend(arc(front));
-        xs.push(front + radius + 1e-3);
         for i in 1..=ends {
             let t = i as f32 / ends as f32;
-            xs.push(mix(front + radius + 1e-3, self.half.x, (FRAC_PI_2 * t).sin()));
+            xs.push(mix(front + radius, self.half.x, (FRAC_PI_2 * t).sin()));
         }
         xs
     }
@@ -209,7 +195,7 @@ impl Shape {
     /// The body, open below. Normals are those of the skin without arches.
     fn body(&self, mesh: &mut Mesh, plan: &Plan) {
         let xs = self.stations(plan);
-        let rows = 2 * plan.detail.count(9.0, 3);
+        let rows = 2 * plan.detail.count(9.0, 2);
         mesh.patch(xs.len() - 1, rows, |u, v| {
             let x = xs[(u * (xs.len() - 1) as f32).round() as usize];
             let begin = self.begin(x);
@@ -239,13 +225,17 @@ impl Shape {
     /// The cabin: windows between pillars, and a roof.
     fn cabin(&self, paint: &mut Mesh, glass: &mut Mesh, plan: &Plan) {
         // Lines along the cabin and around it, and which fields between them are glass.
-        let along = [0.0, 0.03, 0.17, 0.215, 0.48, 0.515, 0.77, 0.83, 0.97, 1.0];
-        let around = [0.0, 0.20, 0.30, 0.70, 0.80, 1.0];
+        let (along, around): (&[f32], &[f32]) = if plan.detail.shows(0.14) {
+            (&[0.0, 0.03, 0.17, 0.215, 0.48, 0.515, 0.77, 0.83, 0.97, 1.0], &[0.0, 0.20, 0.30, 0.70, 0.80, 1.0])
+        } else {
+            (&[0.0, 0.17, 0.83, 1.0], &[0.0, 0.25, 0.75, 1.0])
+        };
+        let fine = along.len() > 4;
         for (i, u) in along.windows(2).enumerate() {
             for (j, v) in around.windows(2).enumerate() {
                 let side = matches!(i, 3 | 5) && matches!(j, 0 | 4);
                 let ends = matches!(i, 0 | 1 | 7 | 8) && j == 2;
-                let mesh = if side || ends { &mut *glass } else { &mut *paint };
+                let mesh = if fine && (side || ends) || !fine && (i != 1 || j != 1) { &mut *glass } else { &mut *paint };
                 let cells = [plan.detail.count(30.0 * (u[1] - u[0]), 1), plan.detail.count(26.0 * (v[1] - v[0]), 1)];
                 mesh.surface(
                     cells,
@@ -281,7 +271,7 @@ impl Shape {
     /// A tyre and its hub about the y axis, which points outwards.
     fn wheel(&self, plan: &Plan) -> (Mesh, Mesh) {
         let (radius, half) = (self.wheel, 0.105);
-        let sides = plan.detail.count(26.0, 7);
+        let sides = plan.detail.count(26.0, 5);
         let (mut tyre, mut hub) = (Mesh::default(), Mesh::default());
         let profile = Profile::from(0.60 * radius, -half)
             .line(0.86 * radius, -half)
@@ -289,6 +279,10 @@ impl Shape {
             .line(radius, 0.5 * half)
             .curve((radius, half), (0.86 * radius, half), 3.0)
             .line(0.62 * radius, 0.95 * half);
+        if !plan.detail.shows(0.12) {
+            tyre.lathe(&Profile::from(radius, -half).line(radius, half).line(0.0, half), sides, plan.detail, 0.5);
+            return (tyre, hub);
+        }
         tyre.lathe(&profile, sides, plan.detail, 0.5);
         let profile = Profile::from(0.66 * radius, 0.90 * half)
             .line(0.60 * radius, 0.96 * half)
@@ -310,11 +304,18 @@ impl Shape {
             rest.of(material).append(&ball, Affine3A::from_translation(at) * Affine3A::from_scale(size));
         };
         let (x, side) = (self.half.x, self.half.y);
+        if !plan.detail.shows(0.13) {
+            return;
+        }
         for hand in [-1.0, 1.0] {
             let front = self.skin(x - 0.13, 0.75);
-            bead(palette.headlamps, Vec3::new(x - 0.17, 0.5 * (front.y + WAIST) + 0.05, hand * (side - 0.27)), Vec3::new(0.13, 0.085, 0.17));
+            bead(
+                palette.headlamps,
+                Vec3::new(x - 0.17, 0.5 * (front.y + WAIST) + 0.05, hand * (side - 0.27)),
+                Vec3::new(0.13, 0.085, 0.17),
+            );
             let height = 0.5 * (self.deck[2] + WAIST) + 0.06;
-            bead(palette.tail_lamps, Vec3::new(0.12 - x, height, hand * (side - 0.19)), Vec3::new(0.10, 0.12, 0.10));
+            bead(palette.tail_lamps, Vec3::new(0.115 - x, height, hand * (side - 0.20)), Vec3::new(0.065, 0.11, 0.09));
             // Mirrors.
             let mirror = self.hull(0.86, 0.08);
             bead(palette.rubber, Vec3::new(mirror.x + 0.05, mirror.y + 0.02, hand * (mirror.z.abs() + 0.10)), Vec3::new(0.07, 0.07, 0.10));

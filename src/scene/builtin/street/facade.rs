@@ -78,7 +78,7 @@ fn ground_floor(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
     let pitch = front.width / front.bays as f32;
     let ground = lot.ground();
     let shop = front.main && matches!(lot.base, Base::Shop(..));
-    let (low, head, depth) = if shop { (0.62, ground - 1.08, 0.32) } else { (1.15, ground - 0.8, 0.2) };
+    let (low, head, depth) = if shop { (0.62, ground - 1.08, 0.32) } else { (1.15, ground - 0.8, recess(plan)) };
     let door_bay = match (front.main, shop) {
         (false, _) => None,
         (true, true) => Some(house.number as usize % front.bays),
@@ -109,7 +109,9 @@ fn ground_floor(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
     let [wall, _] = lot.walls;
     let material = plan.palette.walls[wall as usize];
     out.of(material).wall([&xs, &ys], front.z, plan.cell(), tile(wall), hole);
-    out.of(material).reveals([&xs, &ys], front.z, depth, plan.cell(), tile(wall), hole);
+    if depth > 0.0 {
+        out.of(material).reveals([&xs, &ys], front.z, depth, plan.cell(), tile(wall), hole);
+    }
     if shop {
         shops::build(out, house, front, &openings, plan);
     } else {
@@ -126,6 +128,11 @@ fn ground_floor(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
             }
         }
     }
+}
+
+/// How far windows stand back: nothing, where there are too few triangles for the sides of their openings.
+fn recess(plan: &Plan) -> f32 {
+    if plan.detail.shows(0.1) { 0.2 } else { 0.0 }
 }
 
 /// Half the width of a window.
@@ -151,7 +158,7 @@ fn upper_floors(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
     }
     let pitch = front.width / front.bays as f32;
     let half = half_width(pitch, dress);
-    let depth = 0.2;
+    let depth = recess(plan);
     let openings: Vec<Opening> = (1..lot.storeys)
         .flat_map(|storey| (0..front.bays).map(move |bay| (storey, bay)))
         .map(|(storey, bay)| {
@@ -173,7 +180,9 @@ fn upper_floors(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
     ys.push(top);
     let hole = |i: usize, j: usize| i % 2 == 1 && j % 2 == 1;
     out.of(material).wall([&xs, &ys], front.z, plan.cell(), tile(wall), hole);
-    out.of(material).reveals([&xs, &ys], front.z, depth, plan.cell(), tile(wall), hole);
+    if depth > 0.0 {
+        out.of(material).reveals([&xs, &ys], front.z, depth, plan.cell(), tile(wall), hole);
+    }
     for opening in &openings {
         windows::window(out, opening, plan);
         if !opening.door {
@@ -207,7 +216,7 @@ fn mouldings(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
         .curve((0.06, y - 0.02), (0.12, y - 0.02), 3.0)
         .line(0.13, y + 0.05)
         .line(-0.01, y + 0.09);
-    stone.moulding(&course, along, front.ends, front.z, plan.cell(), plan.detail, 1.5);
+    stone.moulding(&course, along, front.ends, front.z, plan, 1.5);
     let y = house.eaves();
     let cornice = Profile::from(-0.01, y - 0.44)
         .line(0.05, y - 0.44)
@@ -218,7 +227,7 @@ fn mouldings(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
         .curve((0.29, y - 0.09), (0.32, y - 0.04), 3.0)
         .line(0.38, y)
         .line(-0.01, y);
-    stone.moulding(&cornice, along, front.ends, front.z, plan.cell(), plan.detail, 1.5);
+    stone.moulding(&cornice, along, front.ends, front.z, plan, 1.5);
     // Brackets under the cornice.
     if plan.detail.shows(0.55) {
         let count = (front.width / 0.62) as usize;

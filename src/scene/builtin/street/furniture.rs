@@ -32,13 +32,15 @@ pub fn parts(plan: &Plan) -> Vec<Part> {
             bollards.extend([46.0, 44.4, 42.8].map(|x| place(hand * x, KERB, side * (ROAD + 0.4), 0.0)));
         }
     }
-    parts.push(Part::merged(&bollard(plan), palette.iron, &bollards));
+    if plan.detail.shows(0.1) {
+        parts.push(Part::merged(&bollard(plan), palette.iron, &bollards));
+    }
 
     let benches: Vec<Affine3A> =
         [(-30.2, -1.0), (-12.2, -1.0), (12.4, -1.0), (33.4, -1.0), (-36.2, 1.0), (-11.8, 1.0), (6.2, 1.0), (36.2, 1.0)]
             .map(|(x, side)| place(x, KERB, side * (ROAD + 0.95), if side > 0.0 { 0.0 } else { PI }))
             .to_vec();
-    let (slats, frame) = bench(plan);
+    let (slats, frame) = if plan.detail.shows(0.09) { bench(plan) } else { Default::default() };
     parts.push(Part::merged(&slats, palette.timber, &benches));
     parts.push(Part::merged(&frame, palette.iron, &benches));
 
@@ -92,7 +94,7 @@ fn lamp(plan: &Plan) -> (Mesh, Mesh) {
         let normal = out * cos + Vec3::Z * sin;
         (at + normal * 0.028, normal, Vec2::new(u, v))
     });
-    rod(&mut post, Vec3::new(0.04, 4.1, 0.0), Vec3::new(0.72, 4.86, 0.0), 0.014);
+    rod(&mut post, Vec3::new(0.03, 4.2, 0.0), Vec3::new(0.66, 5.25, 0.0), 0.014);
     // The lantern's cap hangs under the arm's end.
     let mut cap = Mesh::default();
     let profile = Profile::from(0.21, -0.22).line(0.22, -0.18).curve((0.20, -0.08), (0.06, -0.02), 4.0).line(0.03, 0.05).line(0.0, 0.06);
@@ -152,7 +154,13 @@ fn bench(plan: &Plan) -> (Mesh, Mesh) {
 
 fn bin(plan: &Plan) -> Mesh {
     let mut mesh = Mesh::default();
-    let profile = Profile::from(0.20, -0.02).line(0.23, 0.05).line(0.25, 0.72).torus(0.02, 0.78, 2.0).line(0.22, 0.78).line(0.20, 0.66).line(0.0, 0.66);
+    let profile = Profile::from(0.20, -0.02)
+        .line(0.23, 0.05)
+        .line(0.25, 0.72)
+        .torus(0.02, 0.78, 2.0)
+        .line(0.22, 0.78)
+        .line(0.20, 0.66)
+        .line(0.0, 0.66);
     mesh.lathe(&profile, plan.detail.count(16.0, 5), plan.detail, 0.5);
     mesh
 }
@@ -185,7 +193,13 @@ fn tub(plan: &Plan) -> (Mesh, Mesh) {
     use crate::scene::builtin::foliage::Crown;
     use crate::scene::builtin::noise::Random;
     let mut tub = Mesh::default();
-    let profile = Profile::from(0.20, -0.02).line(0.22, 0.03).curve((0.29, 0.25), (0.30, 0.44), 4.0).torus(0.025, 0.52, 3.0).line(0.26, 0.52).line(0.25, 0.46).line(0.0, 0.46);
+    let profile = Profile::from(0.20, -0.02)
+        .line(0.22, 0.03)
+        .curve((0.29, 0.25), (0.30, 0.44), 4.0)
+        .torus(0.025, 0.52, 3.0)
+        .line(0.26, 0.52)
+        .line(0.25, 0.46)
+        .line(0.0, 0.46);
     tub.lathe(&profile, plan.detail.count(20.0, 5), plan.detail, 0.7);
     let sprigs = ((160.0 * plan.detail.0.powf(0.9)) as usize).max(16);
     let size = 0.26 * (160.0 / sprigs as f32).sqrt().clamp(0.6, 2.0);

@@ -117,7 +117,11 @@ fn around(plan: &Plan) -> Edge {
     edge.extend(arc(1.0).skip(1));
     edge.extend(straight((Vec2::new(corner.x, ROAD), Vec2::NEG_Y), (Vec2::new(-corner.x, ROAD), Vec2::NEG_Y), cell).into_iter().skip(1));
     edge.extend(arc(-1.0).skip(1));
-    edge.extend(straight((Vec2::new(-ACROSS[0], corner.y), Vec2::NEG_X), (Vec2::new(-ACROSS[0], END + UNDER), Vec2::NEG_X), cell).into_iter().skip(1));
+    edge.extend(
+        straight((Vec2::new(-ACROSS[0], corner.y), Vec2::NEG_X), (Vec2::new(-ACROSS[0], END + UNDER), Vec2::NEG_X), cell)
+            .into_iter()
+            .skip(1),
+    );
     edge
 }
 

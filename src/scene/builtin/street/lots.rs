@@ -172,7 +172,7 @@ pub fn houses() -> Vec<House> {
     let shady = [
         shop(9.0, 3, 3, [Ashlar, Cream], (0, Some(0)), Bands, Parapet),
         home(12.0, 4, 5, [Sand, White], 2, Shutters(1), Tiles),
-        shop(10.0, 5, 4, [Ashlar, Grey], (2, Some(2)), Balconies, Mansard),
+        shop(10.0, 4, 4, [Ashlar, Grey], (2, Some(2)), Balconies, Mansard),
         shop(8.0, 3, 3, [White, White], (1, Some(1)), Shutters(2), Tiles),
         home(11.0, 4, 4, [Ashlar, YellowBrick], 0, Hoods, Parapet),
         shop(13.0, 4, 5, [Ashlar, White], (3, Some(3)), Balconies, Mansard),

@@ -1,8 +1,8 @@
 //! Meshes of several materials, and the flat and moulded surfaces that houses and ground are made of.
 
-use super::super::Detail;
 use super::super::parts::Part;
 use super::super::profile::{Profile, Sample};
+use super::Plan;
 use crate::scene::builder::Mesh;
 use glam::{Affine3A, Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -88,7 +88,14 @@ impl Mesh {
     }
 
     /// The rectangles between successive lines `xs` and `zs` of a floor, but for those that are holes. `uv` is of (x, z).
-    pub(super) fn floor(&mut self, [xs, zs]: [&[f32]; 2], y: f32, cell: f32, hole: impl Fn(usize, usize) -> bool, uv: impl Fn(Vec2) -> Vec2) {
+    pub(super) fn floor(
+        &mut self,
+        [xs, zs]: [&[f32]; 2],
+        y: f32,
+        cell: f32,
+        hole: impl Fn(usize, usize) -> bool,
+        uv: impl Fn(Vec2) -> Vec2,
+    ) {
         for (i, x) in xs.windows(2).enumerate() {
             for (j, z) in zs.windows(2).enumerate() {
                 if hole(i, j) {
@@ -120,8 +127,8 @@ impl Mesh {
     }
 
     /// A profile (distance from the wall, height) along a wall that faces +z at `z`.
-    pub(super) fn moulding(&mut self, profile: &Profile, along: [f32; 2], ends: [Close; 2], z: f32, cell: f32, detail: Detail, tile: f32) {
-        let runs = profile.runs(detail);
+    pub(super) fn moulding(&mut self, profile: &Profile, along: [f32; 2], ends: [Close; 2], z: f32, plan: &Plan, tile: f32) {
+        let runs = profile.runs(plan.detail);
         let shift = ends.map(|end| if matches!(end, Close::Mitre) { 1.0 } else { 0.0 });
         let position = |u: f32, sample: &Sample| {
             let out = sample.point.x;
@@ -129,7 +136,7 @@ impl Mesh {
         };
         for run in &runs {
             let last = run.len() - 1;
-            self.patch(cells(along[1] - along[0], cell), last, |u, v| {
+            self.patch(cells(along[1] - along[0], plan.cell()), last, |u, v| {
                 let sample = &run[(v * last as f32).round() as usize];
                 let at = position(u, sample);
                 (at, Vec3::new(0.0, sample.normal.y, sample.normal.x), Vec2::new(at.x, -sample.length) / tile)

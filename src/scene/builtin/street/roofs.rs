@@ -123,12 +123,7 @@ fn chimneys(out: &mut Meshes, house: &House, ridge: f32, plan: &Plan) {
             1.92,
         );
         let stone = out.of(plan.palette.limestone);
-        stone.solid(
-            Vec3::new(x - 0.70, ridge + tall, z - 0.42),
-            Vec3::new(x + 0.70, ridge + tall + 0.12, z + 0.42),
-            f32::INFINITY,
-            1.5,
-        );
+        stone.solid(Vec3::new(x - 0.70, ridge + tall, z - 0.42), Vec3::new(x + 0.70, ridge + tall + 0.12, z + 0.42), f32::INFINITY, 1.5);
         if plan.detail.shows(0.22) {
             let profile = Profile::from(0.15, 0.0).line(0.12, 0.40).torus(0.03, 0.48, 3.0).line(0.09, 0.48).line(0.08, 0.30);
             let mut pot = Mesh::default();
@@ -196,7 +191,12 @@ fn tower(out: &mut Meshes, house: &House, plan: &Plan) {
     let half = Vec2::splat(TOWER);
     let stone = built.of(palette.limestone);
     for y in [1.0, 4.2] {
-        let course = Profile::from(-0.01, y).line(0.08, y).line(0.08, y + 0.12).curve((0.10, y + 0.18), (0.16, y + 0.19), 3.0).line(0.16, y + 0.27).line(-0.01, y + 0.31);
+        let course = Profile::from(-0.01, y)
+            .line(0.08, y)
+            .line(0.08, y + 0.12)
+            .curve((0.10, y + 0.18), (0.16, y + 0.19), 3.0)
+            .line(0.16, y + 0.27)
+            .line(-0.01, y + 0.31);
         stone.frame(&course, half, true, plan.cell(), plan.detail, 1.5);
     }
     let cornice = Profile::from(-0.01, SHAFT - 0.55)
@@ -243,7 +243,11 @@ fn clock(plan: &Plan) -> Meshes {
     let upright = Affine3A::from_rotation_x(FRAC_PI_2);
     let sides = plan.detail.count(40.0, 10);
     let mut ring = Mesh::default();
-    let profile = Profile::from(1.45, -0.05).line(1.45, 0.10).curve((1.42, 0.18), (1.34, 0.18), 3.0).curve((1.24, 0.18), (1.22, 0.08), 3.0).line(1.20, 0.02);
+    let profile = Profile::from(1.45, -0.05)
+        .line(1.45, 0.10)
+        .curve((1.42, 0.18), (1.34, 0.18), 3.0)
+        .curve((1.24, 0.18), (1.22, 0.08), 3.0)
+        .line(1.20, 0.02);
     ring.lathe(&profile, sides, plan.detail, 1.5);
     built.of(plan.palette.limestone).append(&ring, upright);
     let mut face = Mesh::default();

@@ -126,9 +126,9 @@ fn sheet(number: u32, [x0, x1]: [f32; 2], top: f32, wall: f32, plan: &Plan) -> M
 /// The awning's roller on the wall, and the arms and the bar that hold its edge.
 fn arms(out: &mut Meshes, [x0, x1]: [f32; 2], top: f32, wall: f32, plan: &Plan) {
     let steel = out.of(plan.palette.steel);
-    steel.block([x0, x1], [top - 0.03, top + 0.07], [wall, wall + 0.10], 1.5);
+    steel.divided_cuboid(Vec3::new(x0, top - 0.03, wall), Vec3::new(x1, top + 0.07, wall + 0.10), "-x+x-y+y+z", plan.cell(), 1.5);
     let edge = Vec3::new(0.0, top - FALL - 0.03, wall + OUT);
-    steel.solid(Vec3::new(x0 + 0.02, edge.y - 0.02, edge.z - 0.03), Vec3::new(x1 - 0.02, edge.y + 0.015, edge.z + 0.005), f32::INFINITY, 1.5);
+    steel.solid(Vec3::new(x0 + 0.02, edge.y - 0.02, edge.z - 0.03), Vec3::new(x1 - 0.02, edge.y + 0.015, edge.z + 0.005), plan.cell(), 1.5);
     for x in [x0 + 0.05, x1 - 0.05] {
         let (from, to) = (Vec3::new(x, top - FALL - 0.35, wall), Vec3::new(x, edge.y - 0.01, edge.z - 0.02));
         rod(steel, from, to, 0.014);

@@ -25,7 +25,9 @@ pub fn parts(plan: &Plan) -> Vec<Part> {
     let transforms = places.map(|(transform, _)| transform);
     let chairs: Vec<Affine3A> = transforms
         .iter()
-        .flat_map(|table| [0.1, FRAC_PI_2, PI - 0.15].map(|turn| *table * Affine3A::from_rotation_y(turn) * Affine3A::from_translation(Vec3::X * 0.66)))
+        .flat_map(|table| {
+            [0.1, FRAC_PI_2, PI - 0.15].map(|turn| *table * Affine3A::from_rotation_y(turn) * Affine3A::from_translation(Vec3::X * 0.66))
+        })
         .collect();
     let sides = plan.detail.count(16.0, 5);
     let mut cloth = Mesh::default();
@@ -37,7 +39,7 @@ pub fn parts(plan: &Plan) -> Vec<Part> {
     let mut top = Mesh::default();
     let disc = Profile::from(0.03, 0.70).line(0.40, 0.715).curve((0.42, 0.73), (0.40, 0.745), 2.0).line(0.03, 0.745);
     top.lathe(&disc, sides, plan.detail, 1.0);
-    let (seat, frame) = chair(plan);
+    let (seat, frame) = if plan.detail.shows(0.11) { chair(plan) } else { Default::default() };
     vec![
         Part::painted(cloth, &places),
         Part::merged(&pole, palette.steel, &transforms),

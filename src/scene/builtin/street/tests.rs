@@ -6,8 +6,7 @@ use std::collections::BTreeMap;
 #[test]
 fn the_number_of_triangles_is_met_within_five_percent() {
     let palette = materials::add(&mut Scene::default(), 1);
-    for triangles in [20_000, 26_000, 35_000, 50_000, 75_000, 100_000, 140_000, 200_000, 260_000, 350_000, 500_000, 800_000, 1_300_000, 2_000_000]
-    {
+    for triangles in [30_000, 40_000, 50_000, 75_000, 100_000, 140_000, 200_000, 260_000, 350_000, 500_000, 800_000, 1_300_000, 2_000_000] {
         let made: usize = parts_of_size(&Street { triangles, seed: 1 }, palette).iter().map(Part::triangles).sum();
         let error = made as f64 / f64::from(triangles) - 1.0;
         assert!(error.abs() <= 0.05, "{triangles} asked for, {made} made: {:.1} %", 100.0 * error);
@@ -18,7 +17,7 @@ fn the_number_of_triangles_is_met_within_five_percent() {
 fn numbers_out_of_range_are_taken_to_the_nearer_end() {
     let palette = materials::add(&mut Scene::default(), 1);
     let made = |triangles| parts_of_size(&Street { triangles, seed: 1 }, palette).iter().map(Part::triangles).sum::<usize>();
-    assert_eq!((made(0), made(u32::MAX)), (made(20_000), made(2_000_000)));
+    assert_eq!((made(0), made(u32::MAX)), (made(30_000), made(2_000_000)));
 }
 
 #[test]
@@ -48,13 +47,18 @@ fn indices_materials_and_textures_are_in_range_and_all_numbers_finite() {
     for (index, texture) in scene.textures.iter().enumerate() {
         assert!((256..=1024).contains(&texture.width) && texture.texels.len() == (texture.width * texture.height * 4) as usize);
         let of = |m: &crate::scene::Material| [m.base_color_map, m.metallic_roughness_map, m.emission_map, m.normal_map];
-        assert!(scene.materials.iter().any(|m| of(m).iter().flatten().any(|map| map.texture as usize == index)), "{} is unused", texture.name);
+        assert!(
+            scene.materials.iter().any(|m| of(m).iter().flatten().any(|map| map.texture as usize == index)),
+            "{} is unused",
+            texture.name
+        );
     }
 }
 
 #[test]
 fn normals_agree_with_the_winding_and_no_triangle_is_degenerate() {
-    for count in [20_000, 260_000] {
+    // Few sections make coarse cars.
+    for (count, part) in [(30_000, 0.005), (260_000, 0.001)] {
         let scene = street(&Street { triangles: count, seed: 1 });
         let (mut all, mut degenerate) = (0usize, 0usize);
         let mut wrong: BTreeMap<&str, usize> = BTreeMap::new();
@@ -68,13 +72,13 @@ fn normals_agree_with_the_winding_and_no_triangle_is_degenerate() {
                 }
             }
         }
-        assert!(wrong.values().sum::<usize>() as f64 <= 0.001 * all as f64, "of {all} triangles have a normal on their back: {wrong:?}");
+        assert!(wrong.values().sum::<usize>() as f64 <= part * all as f64, "of {all} triangles have a normal on their back: {wrong:?}");
         assert!(degenerate as f64 <= 0.001 * all as f64, "{degenerate} of {all} triangles have no area");
     }
 }
 
 #[test]
-fn the_street_has_ten_to_twenty_thousand_square_metres_and_no_edge_of_more_than_seven_metres() {
+fn the_street_has_a_surface_of_some_35_000_square_metres_and_no_edge_of_more_than_seven_metres() {
     let scene = street(&Street::default());
     let (mut area, mut longest) = (0.0f64, (0.0f32, ""));
     for draw in &scene.draws {
@@ -87,8 +91,7 @@ fn the_street_has_ten_to_twenty_thousand_square_metres_and_no_edge_of_more_than_
         }
     }
     let bounds = scene.draws.iter().fold(Aabb::EMPTY, |all, draw| all.union(scene.draw_bounds(draw)));
-    println!("{} triangles, {area:.0} m^2, longest edge {longest:?}, {bounds:?}", scene.triangle_count());
-    assert!((10_000.0..20_000.0).contains(&area), "{area} m^2");
+    assert!((30_000.0..40_000.0).contains(&area), "{area} m^2");
     assert!(longest.0 < 7.0, "{longest:?}");
     assert!(bounds.min.y > -0.2 && bounds.max.y < 40.0 && bounds.size().x < 160.0 && bounds.size().z < 70.0, "{bounds:?}");
 }

@@ -201,7 +201,8 @@ fn slabs(fields: &Fields, seed: u32) -> Texture {
         let (flag, edge) = flags.at(x as f32 / 1024.0, y as f32 / 1024.0);
         let (sx, sy) = (x + (hash(flag, 1, 0) % 512) as usize, y + (hash(flag, 2, 0) % 512) as usize);
         let gum = step(0.83, 0.86, fields.clouds.texel(x * 2 + 77, y * 2 + 11)) * 0.10;
-        let value = 0.47 + 0.13 * (of(flag, 3) - 0.5)
+        let value = 0.47
+            + 0.13 * (of(flag, 3) - 0.5)
             + 0.12 * (fields.stains.texel(sx, sy) - 0.5)
             + 0.10 * (fields.clouds.texel(x, y) - 0.5)
             + 0.09 * (fields.grain.texel(x, y) - 0.5)
@@ -252,7 +253,8 @@ fn glazing(fields: &Fields, _seed: u32) -> Texture {
                 shade = mix(shade, [0.07, 0.15, 0.04, 1.0], 0.8 * plant);
             }
         }
-        let frame = band(0.5, 0.03, 0.006, a).max(band(0.34, 0.02, 0.006, b)).max(step(0.43, 0.44, side)).max(step(0.455, 0.465, (b - 0.5).abs()));
+        let frame =
+            band(0.5, 0.03, 0.006, a).max(band(0.34, 0.02, 0.006, b)).max(step(0.43, 0.44, side)).max(step(0.455, 0.465, (b - 0.5).abs()));
         mix(shade, grey(0.66 + 0.1 * cloud, 0.03), frame)
     })
 }
@@ -274,7 +276,7 @@ fn shops(fields: &Fields, seed: u32) -> Texture {
         if row > 0 && of(goods, 2) > 0.18 && down > 0.94 - height && down < 0.94 && band(0.5, 0.34, 0.03, across) > 0.5 {
             let hue = TAU * of(goods, 3);
             let tone = 0.10 + 0.22 * of(goods, 4);
-            let channel = |turn: f32| tone * (1.0 + 0.85 * (hue + turn).cos());
+            let channel = |turn: f32| tone * (1.0 + 0.6 * (hue + turn).cos());
             shade = [channel(0.0), channel(-TAU / 3.0), channel(TAU / 3.0), 1.0];
         }
         if down > 0.94 {
@@ -302,7 +304,8 @@ fn posters(fields: &Fields, seed: u32) -> Texture {
         let covered = if lettering { 1.0 } else { shape };
         let paper = band(0.5, 0.47, 0.01, a) * band(0.5, 0.48, 0.005, b);
         let shade = 0.95 + 0.25 * (fields.clouds.texel(x, y) - 0.5);
-        let picture: [f32; 4] = std::array::from_fn(|i| if i == 3 { 1.0 } else { (INKS[ground][i] + (INKS[ink][i] - INKS[ground][i]) * covered) * shade });
+        let picture: [f32; 4] =
+            std::array::from_fn(|i| if i == 3 { 1.0 } else { (INKS[ground][i] + (INKS[ink][i] - INKS[ground][i]) * covered) * shade });
         mix(grey(0.45, 0.02), picture, paper)
     })
 }

@@ -2,8 +2,8 @@
 
 use super::{KERB, Plan, ROAD, place};
 use crate::scene::builder::Mesh;
-use crate::scene::builtin::foliage::{Crown, direction};
 use crate::scene::builtin::Detail;
+use crate::scene::builtin::foliage::{Crown, direction};
 use crate::scene::builtin::noise::{Random, unit};
 use crate::scene::builtin::parts::Part;
 use crate::scene::builtin::profile::Profile;
@@ -43,7 +43,7 @@ fn tree(plan: &Plan) -> (Mesh, Mesh) {
     let sides = plan.detail.count(12.0, 4);
     let bark = Profile::from(0.22, 0.0).curve((0.13, 0.15), (0.125, 0.6), 3.0).curve((0.11, 1.6), (0.10, 2.9), 4.0).line(0.06, 3.9);
     wood.lathe(&bark, sides, plan.detail, 0.6);
-    let limbs = 6;
+    let limbs = if plan.detail.shows(0.13) { 6 } else { 0 };
     for i in 0..limbs {
         let turn = TAU * (i as f32 + random.range(-0.2, 0.2)) / limbs as f32;
         let (lean, length, from) = (random.range(0.5, 0.95), random.range(1.3, 1.9), random.range(2.3, 3.1));
@@ -53,9 +53,9 @@ fn tree(plan: &Plan) -> (Mesh, Mesh) {
         let turned = Quat::from_rotation_y(turn) * Quat::from_rotation_z(-lean);
         wood.append(&limb, Affine3A::from_rotation_translation(turned, Vec3::Y * from));
     }
-    let sprigs = ((640.0 * plan.detail.0.powf(0.9)) as usize).max(70);
+    let sprigs = ((640.0 * plan.detail.0.powf(0.9)) as usize).max(36);
     // Sprigs are larger if they are fewer, so that the crown stays closed.
-    let size = 0.62 * (640.0 / sprigs as f32).sqrt().clamp(0.6, 2.2);
+    let size = 0.62 * (640.0 / sprigs as f32).sqrt().clamp(0.6, 2.8);
     let whole = Crown { center: Vec3::Y * 4.25, radius: 1.75, aspect: Vec3::new(1.0, 1.02, 1.0), sprigs, size };
     let mut crown = whole.grow(&mut random, |sprig| sprig_cells(plan, sprig));
     // Smaller balls of leaves break the outline.
@@ -98,7 +98,7 @@ fn bed(plan: &Plan) -> (Mesh, Mesh) {
             let (x, z) = (inner * (2.0 * v - 1.0), inner * (2.0 * u - 1.0));
             Vec3::new(x, 0.05 + 0.05 * (1.0 - (x / inner).powi(2)) * (1.0 - (z / inner).powi(2)), z)
         },
-        |u, v| glam::Vec2::new(u, v),
+        glam::Vec2::new,
     );
     (edge, soil)
 }

@@ -20,8 +20,8 @@ pub fn quarter(number: u32, seed: u32) -> [f32; 4] {
 /// The glass of an opening, and its frame before it. The picture has a frame too, which shows where there is no other.
 pub fn window(out: &mut Meshes, opening: &Opening, plan: &Plan) {
     let ([x0, x1], [y0, y1], z) = (opening.x, opening.y, opening.z);
-    // The glass goes on behind the reveals.
-    let margin = 0.03;
+    // The glass goes on behind the reveals, if there are some.
+    let margin = if plan.detail.shows(0.1) { 0.03 } else { 0.0 };
     let picture = quarter(opening.number, plan.seed);
     out.of(plan.palette.glazing).picture([x0 - margin, x1 + margin], [y0 - margin, y1 + margin], z, picture, plan.cell());
     if !plan.detail.shows(0.42) {
@@ -88,6 +88,9 @@ pub fn hood(out: &mut Meshes, opening: &Opening, wall: f32, plan: &Plan) {
 
 /// Shutters, open at both sides of an opening.
 pub fn shutters(out: &mut Meshes, opening: &Opening, wall: f32, paint: usize, plan: &Plan) {
+    if !plan.detail.shows(0.08) {
+        return;
+    }
     let ([x0, x1], [y0, y1]) = (opening.x, [opening.y[0] - 0.02, opening.y[1] + 0.02]);
     let mesh = out.of(plan.palette.shutters[paint]);
     let half = 0.5 * (x1 - x0);
@@ -123,6 +126,9 @@ pub fn balcony(out: &mut Meshes, opening: &Opening, wall: f32, plan: &Plan) {
         stone.block([x, x + 0.16], [floor - 0.36, floor - 0.15], [wall - 0.02, wall + 0.45], TILE);
         stone.block([x + 0.01, x + 0.15], [floor - 0.56, floor - 0.36], [wall - 0.02, wall + 0.22], TILE);
     }
+    if !plan.detail.shows(0.13) {
+        return;
+    }
     let iron = out.of(plan.palette.iron);
     let (front, rail) = (wall + depth - 0.06, floor + 0.98);
     let mut bar = |min: [f32; 3], max: [f32; 3], faces: &str| iron.cuboid(min.into(), max.into(), faces, TILE);
@@ -153,7 +159,7 @@ pub fn door(out: &mut Meshes, house: &House, front: &Front, opening: &Opening, p
     let ([x0, x1], [y0, y1], z) = (opening.x, opening.y, opening.z);
     let Base::Home(paint) = house.lot.base else { return };
     let leaf = y1 - 0.55;
-    out.of(plan.palette.glazing).picture([x0 - 0.03, x1 + 0.03], [y0 - 0.05, y1 + 0.03], z, quarter(opening.number, plan.seed), plan.cell());
+    out.of(plan.palette.glazing).picture([x0, x1], [y0 - 0.02, y1], z, quarter(opening.number, plan.seed), plan.cell());
     out.of(plan.palette.frames).cuboid(Vec3::new(x0, leaf, z), Vec3::new(x1, leaf + 0.08, z + 0.08), "-y+y+z", TILE);
     let wood = out.of(plan.palette.doors[paint]);
     let middle = opening.middle();
@@ -187,13 +193,7 @@ pub fn plinth(out: &mut Meshes, house: &House, front: &Front, openings: &[Openin
     let doors = openings.iter().filter(|opening| opening.door).map(|opening| [opening.x[0] - 0.28, opening.x[1] + 0.28]);
     for [until, next] in doors.chain([[end, end]]) {
         let top = 0.62 + 0.001 * (house.number % 7) as f32;
-        stone.divided_cuboid(
-            Vec3::new(from, BELOW, front.z),
-            Vec3::new(until, top, front.z + 0.05),
-            "-x+x+y+z",
-            plan.cell(),
-            TILE,
-        );
+        stone.divided_cuboid(Vec3::new(from, BELOW, front.z), Vec3::new(until, top, front.z + 0.05), "-x+x+y+z", plan.cell(), TILE);
         from = next;
     }
 }
