@@ -60,7 +60,7 @@ Gathering gathering(uint number) {
     bool is_cache = number < params.caches;
     LightCache cache = caches.at[is_cache ? number : 0u];
     vec3 mirrored = vec3(0.0);
-    if (PROXIES == 2u) mirrored = reflect(normalize(cache.position - view.it.position), cache.normal);
+    if (PROXIES == 2u) mirrored = mirror_direction(cache.position - view.it.position, cache.normal);
     return Gathering(number, is_cache, cache, mirrored, NOTHING, NOTHING);
 }
 
@@ -114,7 +114,8 @@ Sums total(Sums mine) {
 
 // Without light there is no place.
 ProxyLight proxy_of(Sums all) {
-    float scale = all.weight > 0.0 ? 1.0 / all.weight : 0.0;
+    // The inverse of a weight that is almost 0 is infinite.
+    float scale = all.weight > 1e-30 ? 1.0 / all.weight : 0.0;
     vec3 way = all.way * scale;
     vec3 variance = max(all.squares * scale - way * way, vec3(0.0));
     return ProxyLight(way, sqrt(max(variance.x, max(variance.y, variance.z))), all.irradiance);
@@ -132,7 +133,7 @@ void finish(Gathering g) {
         // off the lobe, where the VALs are not.
         float squared = dot(proxy.way, proxy.way);
         float lobe = cosine_lobe(dot(g.mirrored, proxy.way) * inversesqrt(max(squared, 1e-30)), g.cache.exponent);
-        if (BOUNDED) lobe = max(lobe, glossy.weight > 0.0 ? glossy.lobe / glossy.weight : 1.0);
+        if (BOUNDED) lobe = max(lobe, glossy.weight > 1e-30 ? glossy.lobe / glossy.weight : 1.0);
         proxy.irradiance /= max(lobe, 1e-8);
         proxies.at[g.number * PROXIES + 1u] = proxy;
     }
@@ -146,16 +147,16 @@ struct Four {
     Gathering d;
 };
 
-void add(inout Four caches_, uint i) {
+void add(inout Four four, uint i) {
     float beam = i < params.count ? areas.at[i] : 0.0;
     if (!(beam > 0.0)) return;
     VplPlace place = places.at[i];
     vec3 facing = octahedral_snorm16_inverse(place.normal), intensity = intensities.at[i];
     vec2 disk = disk_of(i, beam);
-    add(caches_.a, i, place.position, facing, intensity, disk);
-    add(caches_.b, i, place.position, facing, intensity, disk);
-    add(caches_.c, i, place.position, facing, intensity, disk);
-    add(caches_.d, i, place.position, facing, intensity, disk);
+    add(four.a, i, place.position, facing, intensity, disk);
+    add(four.b, i, place.position, facing, intensity, disk);
+    add(four.c, i, place.position, facing, intensity, disk);
+    add(four.d, i, place.position, facing, intensity, disk);
 }
 
 void main() {

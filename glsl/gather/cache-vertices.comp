@@ -44,7 +44,7 @@ layout(scalar) readonly buffer Vertices { Vertex at[]; } vertices;
 layout(scalar) readonly buffer Caches { LightCache at[]; } caches;
 layout(scalar) readonly buffer Proxies { ProxyLight at[]; } proxies;
 layout(scalar) writeonly buffer Lights { VertexLight at[]; } vertex_lights;
-layout(scalar) buffer Alone { uint count; } alone; // vertices none of whose caches has weight
+layout(scalar) buffer Alone { uint count; } alone; // vertices at whose front no cache has weight
 
 #include "part/reach=gather/reach-all"
 
@@ -67,7 +67,7 @@ void add(inout VertexLight sum, Place place, uint cache_number, uint kind, float
     sum.lit += weight;
 }
 
-VertexLight light_at(Place place, ListedVertex it, uint kind) {
+VertexLight light_at(Place place, ListedVertex it, uint kind, bool is_front) {
     uint first = it.list * NEIGHBOURS;
     float farthest = 0.0;
     // The nearest cache that faces the same side, for where none has weight.
@@ -79,7 +79,7 @@ VertexLight light_at(Place place, ListedVertex it, uint kind) {
         farthest = max(farthest, distance(place.position, cache.position));
         if (nearest == NO_CACHE && dot(place.normal, cache.normal) > 0.0) nearest = it.first_cache + neighbour;
     }
-    vec3 eye = view.it.position, mirrored = reflect(normalize(place.position - eye), place.normal);
+    vec3 eye = view.it.position, mirrored = mirror_direction(place.position - eye, place.normal);
     VertexLight sum = VertexLight(vec3(0.0), 0.0, vec3(0.0), 0.0);
     float weights = 0.0;
     for (uint j = 0u; j < NEIGHBOURS; j++) {
@@ -90,15 +90,16 @@ VertexLight light_at(Place place, ListedVertex it, uint kind) {
         vec3 from = place.position - cache.position;
         float alike = max(dot(place.normal, cache.normal), 0.0);
         // Of a cache on the other side, the mirror direction is the same.
-        if (kind == 1u && alike > 0.0) alike = max(dot(mirrored, reflect(normalize(cache.position - eye), cache.normal)), 0.0);
+        if (kind == 1u && alike > 0.0) alike = max(dot(mirrored, mirror_direction(cache.position - eye, cache.normal)), 0.0);
         float weight = (1.0 - length(from) / max(farthest, 1e-30)) * sqrt(alike);
         if (ON_PLANE) weight *= max(1.0 - abs(dot(cache.normal, from)) / params.off_plane, 0.0);
-        if (!(weight > 0.0)) continue;
+        // The farthest cache has no weight, whatever its distance is rounded to.
+        if (!(weight > 1e-6)) continue;
         weights += weight;
         add(sum, place, number, kind, weight);
     }
     if (!(weights > 0.0)) {
-        if (kind == 0u) atomicAdd(alone.count, 1u);
+        if (kind == 0u && is_front) atomicAdd(alone.count, 1u);
         if (nearest != NO_CACHE) add(sum, place, nearest, kind, 1.0);
         return sum;
     }
@@ -121,7 +122,7 @@ void main() {
     for (uint side = 0u; side < SIDES; side++) {
         Place place = Place(position, side == 0u ? normal : -normal);
         for (uint kind = 0u; kind < PROXIES; kind++) {
-            vertex_lights.at[(i * SIDES + side) * PROXIES + kind] = light_at(place, it, kind);
+            vertex_lights.at[(i * SIDES + side) * PROXIES + kind] = light_at(place, it, kind, side == 0u);
         }
     }
 }

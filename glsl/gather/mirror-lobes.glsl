@@ -10,9 +10,13 @@ layout(location = 1) out vec4 reflection; // radiance to the eye
 uniform sampler2D albedo;
 uniform sampler2D metallic_roughness;
 
-float coat_of(vec3 to_eye, vec3 to_light) {
-    return GLOSSY_DIELECTRIC ? coat_fresnel(max(dot(to_eye, normalize(to_light + to_eye)), 0.0)) : 0.0;
+// Cosine between the direction to the eye and the half vector.
+float half_cosine(vec3 to_eye, vec3 to_light) {
+    vec3 between = to_light + to_eye;
+    return max(dot(to_eye, between) * inversesqrt(max(dot(between, between), 1e-20)), 0.0);
 }
+
+float coat_of(vec3 to_eye, vec3 to_light) { return GLOSSY_DIELECTRIC ? coat_fresnel(half_cosine(to_eye, to_light)) : 0.0; }
 
 float mirror(Receiver r, vec3 to_light) {
     vec3 base = texelFetch(albedo, r.pixel, 0).rgb;
@@ -21,8 +25,7 @@ float mirror(Receiver r, vec3 to_light) {
     Arriving glossy = arriving(1u, r.normal);
     float exponent = lobe_exponent(mr.y);
     float lobe = (exponent + 2.0) / (2.0 * PI) * cosine_lobe(dot(reflect(-to_eye, r.normal), glossy.to_light), exponent);
-    float cosine = max(dot(to_eye, normalize(glossy.to_light + to_eye)), 0.0);
-    vec3 fresnel = mix(vec3(coat_of(to_eye, glossy.to_light)), schlick(base, cosine), mr.x);
+    vec3 fresnel = mix(vec3(coat_of(to_eye, glossy.to_light)), schlick(base, half_cosine(to_eye, glossy.to_light)), mr.x);
     reflection = vec4(min(glossy.light * lobe * fresnel, vec3(LARGEST_HALF)), 1.0);
     return 1.0 - coat_of(to_eye, to_light);
 }

@@ -18,13 +18,18 @@ struct ProxyLight {
 
 const uint NO_CACHE = 0xffffffffu;
 
-// Exponent k of the cosine lobe about the mirror direction that is as high as GGX's: the half vector's lobe of 2 / alpha^2 - 2 is four times
-// as narrow. A lobe is no narrower than that of roughness 0.2, since a cache has one light for all of it.
+// Exponent k of the cosine lobe about the mirror direction: a quarter of 2 / alpha^2 - 2, that of the half vector's lobe as high as GGX's. A
+// lobe is no narrower than that of roughness 0.2, since a cache has one light for all of it.
 float lobe_exponent(float roughness) {
     float alpha = max(roughness * roughness, 0.04);
     return max(0.5 / (alpha * alpha) - 0.5, 0.0);
 }
 
+// Direction from which a mirror with this normal reflects to the eye, given the vector from the eye to it, which may be 0.
+vec3 mirror_direction(vec3 from_eye, vec3 normal) {
+    return reflect(from_eye * inversesqrt(max(dot(from_eye, from_eye), 1e-20)), normal);
+}
+
 // cos^k of a lobe, 0 behind.
-float cosine_lobe(float cosine, float exponent) { return cosine > 0.0 ? exp2(exponent * log2(min(cosine, 1.0))) : 0.0; }
+float cosine_lobe(float cosine, float exponent) { return cosine > 1e-12 ? exp2(exponent * log2(min(cosine, 1.0))) : 0.0; }
 #endif

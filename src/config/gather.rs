@@ -124,7 +124,7 @@ pub struct LightCachesConfig {
     pub proxy_bound: ProxyBound,
     pub neighbour_weights: NeighbourWeights,
     /// `"ggx"` gives each cache a second proxy light, for the light that its surface reflects towards the camera. Lobes are cosine lobes about
-    /// the mirror direction as high as GGX's, and no narrower than that of roughness 0.2.
+    /// the mirror direction, and no narrower than that of roughness 0.2.
     pub receiver: Receiver,
     /// Draws the caches as disks in the light that reaches them, and their proxy lights as spots: `--dump gather/cache-viewer`.
     pub viewer: bool,
@@ -231,7 +231,8 @@ pub enum ProxyWeights {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ProxyBound {
-    /// Its extent: squared distances grow by the variance of its VALs' places. Light at the cache is the same. Not in the paper.
+    /// Its extent: squared distances grow by the variance of its VALs' places. Diffuse light at the cache is the same. Glossy proxies off their
+    /// lobe are bounded by the lobe's mean. Not in the paper.
     #[default]
     Extent,
     /// Nothing, as in the paper: surfaces that come close to a moved proxy are far too bright.

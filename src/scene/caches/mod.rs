@@ -30,7 +30,7 @@ pub const NONE: u32 = u32::MAX;
 const MOST_SAMPLES: f64 = 1.0e8;
 
 /// Changes when the same scene gives other caches.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Spacing of caches.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -67,11 +67,15 @@ pub(super) fn models(scene: &Scene) -> Vec<Model> {
     for (number, draw) in scene.draws.iter().enumerate().filter(|(_, draw)| draw.index_count > 0) {
         tied.entry(tie(number, draw)).or_default().push(number as u32);
     }
-    // Groups with the same triangles are instances of one model.
-    let mut models: BTreeMap<Vec<Range>, Vec<Vec<u32>>> = BTreeMap::new();
+    // Groups with the same triangles, of as many sides, are instances of one model.
+    let mut models: BTreeMap<Vec<(Range, bool)>, Vec<Vec<u32>>> = BTreeMap::new();
+    let sided = |number: &u32| {
+        let draw = &scene.draws[*number as usize];
+        (range(draw), scene.materials[draw.material as usize].double_sided)
+    };
     for mut draws in tied.into_values() {
         draws.sort_by_key(|number| (range(&scene.draws[*number as usize]), *number));
-        models.entry(draws.iter().map(|number| range(&scene.draws[*number as usize])).collect()).or_default().push(draws);
+        models.entry(draws.iter().map(sided).collect()).or_default().push(draws);
     }
     models.into_values().map(|instances| Model { triangles: triangles(scene, &instances[0]), instances }).collect()
 }

@@ -42,8 +42,12 @@ fn parts(number: u32, triangle: &Triangle, longest: f32) -> Vec<Sample> {
     }
     let mut open = vec![([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], area)];
     while let Some((corners, area)) = open.pop() {
-        let places = corners.map(at);
-        let lengths = [0, 1, 2].map(|k| places[k].distance_squared(places[(k + 1) % 3]));
+        // Lengths by weights, since places far from the origin are rounded to more than a part.
+        let edge = |k: usize| {
+            let [from, to] = [corners[k], corners[(k + 1) % 3]];
+            (to[0] - from[0]) * (b - a) + (to[1] - from[1]) * (c - a)
+        };
+        let lengths = [0, 1, 2].map(|k| edge(k).length_squared());
         let k = (0..3).fold(0, |most, k| if lengths[k] > lengths[most] { k } else { most });
         if lengths[k] > longest * longest {
             let [from, to, rest] = [0, 1, 2].map(|i| corners[(k + i) % 3]);

@@ -143,6 +143,24 @@ fn instances_and_moving_draws_share_caches_and_the_rest_is_one_model() {
 }
 
 #[test]
+fn the_same_triangles_with_one_side_and_with_two_are_two_models() {
+    let shift = |x: f32| Affine3A::from_translation(Vec3::new(x, 0.0, 0.0));
+    let mut scene = scene(&[(square(2.0, 0.0, true), false, vec![shift(0.0), shift(10.0)])]);
+    scene.draws[1].material = scene.add_material(Material { double_sided: true, ..Material::default() });
+    let caches = made(&scene, 1.0);
+    let sides: Vec<(Vec<Vec<u32>>, bool)> =
+        caches.models.iter().map(|model| (model.instances.clone(), model.caches.iter().any(|cache| cache.one_of_two != 0))).collect();
+    assert_eq!(sides, [(vec![vec![0]], false), (vec![vec![1]], true)]);
+}
+
+#[test]
+fn caches_are_made_where_coordinates_are_coarser_than_they() {
+    let far = Affine3A::from_translation(Vec3::new(500_000.0, 0.0, 4_000_000.0));
+    let caches = made(&scene(&[(square(3.0, 0.0, true), false, vec![far])]), 0.2);
+    assert!((1..1000).contains(&caches.count()), "{} caches", caches.count());
+}
+
+#[test]
 fn lists_name_the_nearest_caches() {
     let scene = ball(16);
     let caches = made(&scene, 0.4);

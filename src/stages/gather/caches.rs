@@ -1,6 +1,7 @@
 //! Light caches on the device: made once, and kept over frames.
 
 use super::light_caches::bytes_of_vertex;
+use super::limits::MOST_CACHES;
 use super::needs_rays;
 use crate::config::{Config, GatherMethod};
 use crate::gpu::{Adapter, BufferId, Gpu};
@@ -127,6 +128,13 @@ impl Caches {
     /// `BadInput`, with the key.
     pub fn check(&self, adapter: &Adapter, vpls: u32, config: &Config) -> Result<()> {
         let limit = adapter.limits.storage_buffer_bytes.min(4 * u64::from(u32::MAX));
+        if u64::from(self.placed.1) > MOST_CACHES {
+            return Err(fail!(
+                BadInput,
+                "gather.light_caches.distance: {} caches are over the {MOST_CACHES} that every driver goes through; raise it",
+                self.placed.1
+            ));
+        }
         let bytes = u64::from(self.listed.1) * bytes_of_vertex(self.two_sided, &config.gather.light_caches);
         if bytes > limit {
             return Err(fail!(

@@ -26,6 +26,12 @@ const fn most_vpls_a_pixel(culling: Culling) -> u64 {
     }
 }
 
+/// VALs that a cache gathers: a turn takes 128 of them.
+const MOST_VALS: u64 = planned_turns(60_000) * 128;
+
+/// Light caches of a scene. A tile of 64, which takes four turns, is at worst before all others.
+pub(super) const MOST_CACHES: u64 = planned_turns(60_000) * 64 / 4;
+
 /// Loop turns of an invocation of stochastic culling: one for each VPL of its pixel on each list, and less than one for culling.
 pub const MOST_TURNS: u64 = planned_turns(60_000);
 
@@ -121,6 +127,13 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
                 MOST_TURNS / (lists + 1)
             ));
         }
+        if gather.method == GatherMethod::LightCaches && u64::from(list.count) > MOST_VALS {
+            return Err(fail!(
+                BadInput,
+                "gather.method: {} VPLs are over the {MOST_VALS} that every driver gathers at light caches; lower {key}",
+                list.count
+            ));
+        }
         let pairs = u64::from(width) * u64::from(height) * each;
         if gather.stochastic.statistics && pairs > u64::from(u32::MAX) {
             return Err(fail!(
@@ -181,7 +194,7 @@ pub fn warnings(config: &Config, scene: &Scene) -> Vec<String> {
     let split = (distance / diagonal / LEAST_SPLIT).floor() * LEAST_SPLIT;
     let advice = if split < LEAST_SPLIT { "raise it".to_owned() } else { format!("take scene.split = {split:.3}") };
     vec![format!(
-        "gather.light_caches.distance: edges of triangles are {longest:.2} m long, over the {distance} m that caches are apart, and light between their vertices is missed; {advice}"
+        "gather.light_caches.distance: edges of triangles are {longest:.2} m long, over the {distance} m around a cache, and light between their vertices is missed; {advice}"
     )]
 }
 
