@@ -54,7 +54,7 @@ struct Place {
     vec3 normal;
 };
 
-// Adds proxy `kind` of a cache, a light from this direction. A dark one has no place, and counts among the fluxes alone.
+// Adds proxy `kind` of a cache. A dark one has no place, and counts among the fluxes alone.
 void add(inout VertexLight sum, Place place, uint cache_number, uint kind, float weight) {
     LightCache cache = caches.at[cache_number];
     ProxyLight proxy = proxies.at[cache_number * PROXIES + kind];
