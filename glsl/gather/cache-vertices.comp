@@ -32,8 +32,9 @@ layout(scalar, push_constant) uniform Params {
 struct ListedVertex {
     uint vertex;
     uint list;
-    uint draw; // NO_CACHE if no triangle has the vertex
+    uint draw;        // NO_CACHE if no triangle has the vertex
     uint first_cache; // of the instance
+    uint sides;       // lit ones: draws of one side and of two may share a vertex
 };
 
 layout(scalar) uniform ViewBlock { View it; } view;
@@ -54,56 +55,73 @@ struct Place {
     vec3 normal;
 };
 
+// Lights of one side, by proxies, and their caches' weights.
+struct Sums {
+    VertexLight light[PROXIES];
+    float weights[PROXIES];
+};
+
 // Adds proxy `kind` of a cache. A dark one has no place, and counts among the fluxes alone.
-void add(inout VertexLight sum, Place place, uint cache_number, uint kind, float weight) {
-    LightCache cache = caches.at[cache_number];
-    ProxyLight proxy = proxies.at[cache_number * PROXIES + kind];
+void add(inout VertexLight sum, Place place, LightCache cache, uint number, float weight) {
+    ProxyLight proxy = proxies.at[number];
     float squared = dot(proxy.way, proxy.way), extent = BOUNDED ? proxy.extent : 0.0;
     float cosine = dot(cache.normal, proxy.way) * inversesqrt(max(squared, 1e-30));
     if (!(cosine > 0.0) || all(equal(proxy.irradiance, vec3(0.0)))) return;
     sum.way += weight * (proxy.way + (cache.position - place.position));
     sum.extent += weight * extent;
-    sum.flux += (weight * reach_of(cache_number * PROXIES + kind) * 4.0 * PI * (squared + extent * extent) / cosine) * proxy.irradiance;
+    sum.flux += (weight * reach_of(number) * 4.0 * PI * (squared + extent * extent) / cosine) * proxy.irradiance;
     sum.lit += weight;
 }
 
-VertexLight light_at(Place place, ListedVertex it, uint kind, bool is_front) {
-    uint first = it.list * NEIGHBOURS;
+void write_lights(uint first, Place place, ListedVertex it, bool is_front) {
+    uint list = it.list * NEIGHBOURS;
     float farthest = 0.0;
     // The nearest cache that faces the same side, for where none has weight.
     uint nearest = NO_CACHE;
     for (uint j = 0u; j < NEIGHBOURS; j++) {
-        uint neighbour = lists.at[first + j];
+        uint neighbour = lists.at[list + j];
         if (neighbour == NO_CACHE) continue;
         LightCache cache = caches.at[it.first_cache + neighbour];
         farthest = max(farthest, distance(place.position, cache.position));
         if (nearest == NO_CACHE && dot(place.normal, cache.normal) > 0.0) nearest = it.first_cache + neighbour;
     }
     vec3 eye = view.it.position, mirrored = mirror_direction(place.position - eye, place.normal);
-    VertexLight sum = VertexLight(vec3(0.0), 0.0, vec3(0.0), 0.0);
-    float weights = 0.0;
+    Sums sums;
+    for (uint kind = 0u; kind < PROXIES; kind++) {
+        sums.light[kind] = VertexLight(vec3(0.0), 0.0, vec3(0.0), 0.0);
+        sums.weights[kind] = 0.0;
+    }
     for (uint j = 0u; j < NEIGHBOURS; j++) {
-        uint neighbour = lists.at[first + j];
+        uint neighbour = lists.at[list + j];
         if (neighbour == NO_CACHE) continue;
         uint number = it.first_cache + neighbour;
         LightCache cache = caches.at[number];
-        vec3 from = place.position - cache.position;
-        float alike = max(dot(place.normal, cache.normal), 0.0);
+        float alike = dot(place.normal, cache.normal);
         // Of a cache on the other side, the mirror direction is the same.
-        if (kind == 1u && alike > 0.0) alike = max(dot(mirrored, mirror_direction(cache.position - eye, cache.normal)), 0.0);
-        float weight = (1.0 - length(from) / max(farthest, 1e-30)) * sqrt(alike);
-        if (ON_PLANE) weight *= max(1.0 - abs(dot(cache.normal, from)) / params.off_plane, 0.0);
-        // The farthest cache has no weight, whatever its distance is rounded to.
-        if (!(weight > 1e-6)) continue;
-        weights += weight;
-        add(sum, place, number, kind, weight);
+        if (!(alike > 0.0)) continue;
+        vec3 from = place.position - cache.position;
+        float near = 1.0 - length(from) / max(farthest, 1e-30);
+        if (ON_PLANE) near *= max(1.0 - abs(dot(cache.normal, from)) / params.off_plane, 0.0);
+        for (uint kind = 0u; kind < PROXIES; kind++) {
+            if (kind == 1u) alike = max(dot(mirrored, mirror_direction(cache.position - eye, cache.normal)), 0.0);
+            float weight = near * sqrt(alike);
+            // The farthest cache has no weight, whatever its distance is rounded to.
+            if (!(weight > 1e-6)) continue;
+            sums.weights[kind] += weight;
+            add(sums.light[kind], place, cache, number * PROXIES + kind, weight);
+        }
     }
-    if (!(weights > 0.0)) {
-        if (kind == 0u && is_front) atomicAdd(alone.count, 1u);
-        if (nearest != NO_CACHE) add(sum, place, nearest, kind, 1.0);
-        return sum;
+    for (uint kind = 0u; kind < PROXIES; kind++) {
+        VertexLight sum = sums.light[kind];
+        if (sums.weights[kind] > 0.0) {
+            float share = sums.weights[kind];
+            sum = VertexLight(sum.way / share, sum.extent / share, sum.flux / share, sum.lit / share);
+        } else {
+            if (kind == 0u && is_front) atomicAdd(alone.count, 1u);
+            if (nearest != NO_CACHE) add(sum, place, caches.at[nearest], nearest * PROXIES + kind, 1.0);
+        }
+        vertex_lights.at[first + kind] = sum;
     }
-    return VertexLight(sum.way / weights, sum.extent / weights, sum.flux / weights, sum.lit / weights);
 }
 
 void main() {
@@ -118,11 +136,12 @@ void main() {
     Vertex vertex = vertices.at[it.vertex];
     vec3 position = transform * vec4(vertex.position, 1.0);
     vec3 normal = normalize(cofactor * octahedral_snorm16_inverse(vertex.normal) * orientation);
-    // Draws of one and of two sides may share a vertex.
     for (uint side = 0u; side < SIDES; side++) {
-        Place place = Place(position, side == 0u ? normal : -normal);
-        for (uint kind = 0u; kind < PROXIES; kind++) {
-            vertex_lights.at[(i * SIDES + side) * PROXIES + kind] = light_at(place, it, kind, side == 0u);
+        uint first = (i * SIDES + side) * PROXIES;
+        if (side < it.sides) {
+            write_lights(first, Place(position, side == 0u ? normal : -normal), it, side == 0u);
+        } else {
+            for (uint kind = 0u; kind < PROXIES; kind++) vertex_lights.at[first + kind] = VertexLight(vec3(0.0), 0.0, vec3(0.0), 0.0);
         }
     }
 }

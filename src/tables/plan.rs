@@ -86,14 +86,16 @@ impl Plan {
     pub fn of(table: &Table, sweep: &Sweep) -> Result<Self> {
         let mut all: Vec<Run> = Vec::new();
         let mut warnings = Vec::new();
-        // A cell that another is measured against has as many seeds.
+        // A cell that others are measured against has as many seeds as they, or one picture for all if its own measure has no seeds.
         let mut seeds: Vec<Vec<u32>> = vec![vec![1; table.columns.len()]; table.rows.len()];
         for (row, column) in table.places() {
             let measure = table.measure(row, column);
             seeds[row][column] = seeds[row][column].max(measure.seeds);
             if let What::Error { against: Against::Cell(place), .. } = &measure.what {
                 let (row, column) = place.from(row, column);
-                seeds[row][column] = seeds[row][column].max(measure.seeds);
+                if table.measure(row, column).seeds > 1 {
+                    seeds[row][column] = seeds[row][column].max(measure.seeds);
+                }
             }
         }
         let mut of_cell = vec![vec![Vec::new(); table.columns.len()]; table.rows.len()];
@@ -134,7 +136,7 @@ impl Plan {
                     What::Error { against: Against::Reference, .. } => all[of].needs_reference = true,
                     What::Error { against: Against::Cell(place), .. } => {
                         let (row, column) = place.from(row, column);
-                        needed[of_cell[row][column][seed]] = true;
+                        needed[of_seed(&of_cell[row][column], seed)] = true;
                     }
                     What::Time { .. } | What::Count { .. } | What::Memory { .. } => {}
                 }
@@ -165,10 +167,14 @@ impl Plan {
         self.seed(row, column, 0)
     }
 
-    /// The run of a cell's seed, by its number from 0 on.
+    /// The run of a cell's seed, by its number from 0 on; of a cell without seeds, its only run.
     pub fn seed(&self, row: usize, column: usize, seed: usize) -> &Run {
-        &self.runs[self.of_cell[row][column][seed]]
+        &self.runs[of_seed(&self.of_cell[row][column], seed)]
     }
+}
+
+fn of_seed(runs: &[usize], seed: usize) -> usize {
+    if runs.len() == 1 { runs[0] } else { runs[seed] }
 }
 
 /// All names in the frames of a table's runs.

@@ -158,6 +158,21 @@ fn a_mean_of_seeds_has_a_run_a_seed_their_spread_and_one_truth() {
 }
 
 #[test]
+fn seeds_share_the_picture_that_they_are_measured_against_if_it_has_none_of_its_own() {
+    let text = SMALL.replacen("against = { row = \"one\" }", "against = { row = \"one\", column = \"truth\" }, seeds = 3", 1)
+        + "\n[[column]]\nname = \"truth\"\nmeasure = { count = \"vpls/count\" }\nown = true\n";
+    let (table, folder) = (read(&text, Path::new("small.toml"), None).unwrap(), tempfile::tempdir().unwrap());
+    let plan = Plan::of(&table, &Sweep::default()).unwrap();
+    assert!((0..3).all(|seed| plan.seed(0, 3, seed).config.frame.seed == 0), "the truth has several seeds");
+    (0..plan.runs.len()).for_each(|run| leave(folder.path(), &plan, run, 1.0, "gpu"));
+    let results = cells::results(&table, &plan, folder.path()).unwrap();
+    // Runs' pictures are as bright as their numbers: the first row's are 0, 1 and 2, and the second row's 3, 4 and 5.
+    let mean = [3.0_f64, 4.0, 5.0].map(|bright| bright.powi(2) / 0.01).iter().sum::<f64>() / 3.0;
+    let found = results.cells[1][2].value.unwrap();
+    assert!((found / mean - 1.0).abs() < 1e-3, "{found} instead of {mean}");
+}
+
+#[test]
 fn runs_of_two_devices_do_not_go_into_one_table() {
     let (table, folder) = (small(), tempfile::tempdir().unwrap());
     let plan = Plan::of(&table, &Sweep::default()).unwrap();

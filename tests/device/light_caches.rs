@@ -242,7 +242,7 @@ fn light_of_vertex(caches: &[Lit], bounded: bool) -> f64 {
     let proxy = |cache: &Lit| ProxyLight { way: cache.way.into(), extent: cache.extent, irradiance: [cache.irradiance; 3] };
     let buffers = [
         ("view", g.upload("test/view", &[View::zeroed()])),
-        ("listed", g.upload("test/listed", &[ListedVertex { vertex: 0, list: 0, draw: 0, first_cache: 0 }])),
+        ("listed", g.upload("test/listed", &[ListedVertex { vertex: 0, list: 0, draw: 0, first_cache: 0, sides: 1 }])),
         ("lists", g.upload("test/lists", &list)),
         ("draws", g.upload("test/draws", &[DrawData { transform, material: 0, double_sided: 0 }])),
         ("vertices", g.upload("test/vertices", &[Vertex { position: [0.0; 3], normal: up, uv: [0.0; 2], color: 0, tangent: 0 }])),

@@ -27,6 +27,8 @@ shader_struct! {
         pub draw: u32,
         /// Of the instance.
         pub first_cache: u32,
+        /// Lit sides: 2 if a surface with two has the vertex.
+        pub sides: u32,
     }
 }
 
@@ -205,15 +207,16 @@ impl Host {
                 let placed = |(number, cache): (u32, &LightCache)| PlacedCache { model_cache: number, draw: draws[cache.draw as usize] };
                 host.placed.extend((first_model_cache..).zip(&model.caches).map(placed));
                 let first_listed = host.listed.len() as u32;
-                let unused = |(list, _)| ListedVertex { vertex: 0, list, draw: NONE, first_cache };
+                let unused = |(list, _)| ListedVertex { vertex: 0, list, draw: NONE, first_cache, sides: 0 };
                 host.listed.extend((first_list..).zip(&model.neighbours).map(unused));
                 for number in draws {
                     let draw = &scene.draws[*number as usize];
+                    let sides = if scene.materials[draw.material as usize].double_sided { 2 } else { 1 };
                     host.firsts[*number as usize] = first_listed.wrapping_sub(model.first_vertex);
                     for index in &scene.indices[draw.first_index as usize..(draw.first_index + draw.index_count) as usize] {
                         let vertex = draw.vertex_offset + index;
                         let listed = &mut host.listed[(first_listed + vertex - model.first_vertex) as usize];
-                        (listed.vertex, listed.draw) = (vertex, *number);
+                        (listed.vertex, listed.draw, listed.sides) = (vertex, *number, listed.sides.max(sides));
                     }
                 }
             }
@@ -224,7 +227,7 @@ impl Host {
         }
         if host.listed.is_empty() {
             host.lists.push([NONE; NEIGHBOURS]);
-            host.listed.push(ListedVertex { vertex: 0, list: 0, draw: NONE, first_cache: 0 });
+            host.listed.push(ListedVertex { vertex: 0, list: 0, draw: NONE, first_cache: 0, sides: 0 });
             host.firsts.push(0);
         }
         host
