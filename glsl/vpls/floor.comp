@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
-// Floor of the view's importance, from 1,024 Halton texels of all maps: so much for each unit of power that about `share` of the VPLs are
+// Floor of the view's importance, from 64 x AT_ONCE = 1,024 Halton texels of all maps: so much for each unit of power that about `share` of the VPLs are
 // drawn by power. Any floor over 0 is right. It says only how many VPLs go where no view sample needs them.
 #include "vpls/importance-view.glsl"
 #include "lib/halton.glsl"
@@ -28,13 +28,11 @@ ivec3 texel(uint index) {
 void main() {
     uint me = gl_LocalInvocationIndex;
     vec2 sum = vec2(0.0);
-    for (uint first = 4u * me; first < 1024u; first += 256u) {
-        ivec3 a = texel(first), b = texel(first + 1u), c = texel(first + 2u), d = texel(first + 3u);
-        vec4 seen = importances(a, b, c, d, params.size);
-        vec4 power = vec4(power_of(candidate(a, params.size)), power_of(candidate(b, params.size)), power_of(candidate(c, params.size)),
-                          power_of(candidate(d, params.size)));
-        sum += vec2(dot(seen, vec4(1.0)), dot(power, vec4(1.0)));
-    }
+    ivec3 at[AT_ONCE];
+    for (uint k = 0u; k < AT_ONCE; k++) at[k] = texel(AT_ONCE * me + k);
+    float seen[AT_ONCE];
+    importances(at, params.size, seen);
+    for (uint k = 0u; k < AT_ONCE; k++) sum += vec2(seen[k], power_of(candidate(at[k], params.size)));
     sums[me] = sum;
     barrier();
     if (me > 0u) return;

@@ -1,3 +1,7 @@
-// Texels that are all as important. Each part for "importance" defines
-//     vec4 importances(ivec3 a, ivec3 b, ivec3 c, ivec3 d, uvec2 size); // of four texels; all invocations of a workgroup call it together
-vec4 importances(ivec3 a, ivec3 b, ivec3 c, ivec3 d, uvec2 size) { return vec4(1.0); }
+// Texels that are all as important. Each part for "importance" includes vpls/at-once.glsl and defines
+//     void importances(ivec3 at[AT_ONCE], uvec2 size, out float found[AT_ONCE]); // all invocations of a workgroup call it together
+#include "vpls/at-once.glsl"
+
+void importances(ivec3 at[AT_ONCE], uvec2 size, out float found[AT_ONCE]) {
+    for (uint k = 0u; k < AT_ONCE; k++) found[k] = 1.0;
+}

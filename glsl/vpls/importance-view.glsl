@@ -5,6 +5,7 @@
 #include "lib/brdf.glsl"
 #include "lib/subgroup.glsl"
 #include "part/gloss=vpls/gloss-none"
+#include "vpls/at-once.glsl"
 #include "vpls/candidate.glsl"
 #include "vpls/view-sample.glsl"
 
@@ -49,10 +50,12 @@ EXACT float reflected(Candidate from, ViewSample to) {
     return intensity * arrives / max(squared * max(squared, view_importance.squared_min_distance), 1e-20) * reflectance;
 }
 
-EXACT vec4 importances(ivec3 a, ivec3 b, ivec3 c, ivec3 d, uvec2 size) {
-    Candidate at[4] = Candidate[4](candidate(a, size), candidate(b, size), candidate(c, size), candidate(d, size));
+void importances(ivec3 at[AT_ONCE], uvec2 size, out float found[AT_ONCE]) {
+    Candidate candidates[AT_ONCE];
+    for (uint k = 0u; k < AT_ONCE; k++) candidates[k] = candidate(at[k], size);
+    precise float sums[AT_ONCE];
+    for (uint k = 0u; k < AT_ONCE; k++) sums[k] = 0.0;
     // Each lane of a subgroup fetches a view sample and broadcasts it. All lanes sum all samples in the same order.
-    vec4 sum = vec4(0.0);
     uint count = view_importance.samples;
     Lanes lanes = lanes_of_subgroup();
     for (uint start = 0u; start < count; start += lanes.count) {
@@ -64,9 +67,11 @@ EXACT vec4 importances(ivec3 a, ivec3 b, ivec3 c, ivec3 d, uvec2 size) {
         fetched.albedo *= GLOSSY_RECEIVERS ? 1.0 : 1.0 - fetched.metallic;
         for (uint i = 0u; i < lanes.count; i++) {
             ViewSample it = hand_round(fetched, lane_at(lanes, i));
-            sum += vec4(reflected(at[0], it), reflected(at[1], it), reflected(at[2], it), reflected(at[3], it));
+            for (uint k = 0u; k < AT_ONCE; k++) sums[k] += reflected(candidates[k], it);
         }
     }
-    vec4 power = vec4(power_of(at[0]), power_of(at[1]), power_of(at[2]), power_of(at[3]));
-    return sum + power * least_importance();
+    for (uint k = 0u; k < AT_ONCE; k++) {
+        sums[k] += power_of(candidates[k]) * least_importance();
+        found[k] = sums[k];
+    }
 }

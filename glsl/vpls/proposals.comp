@@ -4,8 +4,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 // Importance of the chains' proposals alone (Barak et al. 2013, section 4.3). Proposals hang on no earlier step, so all are worked out at
-// once. An invocation has one step of
-// four chains.
+// once. An invocation has one step of AT_ONCE chains.
 #include "vpls/params.glsl"
 #include "part/importance=vpls/importance-none"
 #include "part/points=vpls/points-halton"
@@ -17,9 +16,12 @@ layout(scalar) writeonly buffer Proposed { float at[]; } proposed; // step by st
 ivec3 place(uint chain) { return place_of(point(min(chain, params.count - 1u), gl_GlobalInvocationID.y)); }
 
 void main() {
-    uint first = 4u * gl_GlobalInvocationID.x;
-    vec4 found = importances(place(first), place(first + 1u), place(first + 2u), place(first + 3u), params.size);
-    for (uint i = 0u; i < 4u; i++) {
-        if (first + i < params.count) proposed.at[gl_GlobalInvocationID.y * params.count + first + i] = found[i];
+    uint first = AT_ONCE * gl_GlobalInvocationID.x;
+    ivec3 at[AT_ONCE];
+    for (uint k = 0u; k < AT_ONCE; k++) at[k] = place(first + k);
+    float found[AT_ONCE];
+    importances(at, params.size, found);
+    for (uint k = 0u; k < AT_ONCE; k++) {
+        if (first + k < params.count) proposed.at[gl_GlobalInvocationID.y * params.count + first + k] = found[k];
     }
 }

@@ -43,6 +43,9 @@ shader_struct! {
     }
 }
 
+/// Texels whose importance an invocation works out at once: `glsl/vpls/at-once.glsl`.
+pub(super) const AT_ONCE: u32 = 16;
+
 /// Importance of texels, as a pass works it out.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum TexelImportance {
@@ -85,7 +88,8 @@ impl TexelImportance {
     /// The importance map: a layered image of [`Format::R32Float`], a layer a map of the RSM.
     pub(super) fn map(&self, g: &mut Graph, rsm: &Rsm) -> Image {
         let map = g.layered_image("vpls/importance-map", Format::R32Float, rsm.size, rsm.layers);
-        let groups = rsm.size.map(|n| n.div_ceil(16));
+        // A workgroup of 8 x 8 invocations has 4 x 4 texels for each.
+        let groups = rsm.size.map(|n| n.div_ceil(32));
         self.bind(g.compute("vpls/importance-map"))
             .writes("importance", map)
             .params(&MapParams { size: rsm.size })

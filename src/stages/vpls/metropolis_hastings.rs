@@ -1,7 +1,7 @@
 //! Independent Metropolis-Hastings sampling: a chain a VPL (Barák, Bittner and Havran 2013, section 4.3).
 
 use super::super::rsm::Rsm;
-use super::importance::TexelImportance;
+use super::importance::{AT_ONCE, TexelImportance};
 use super::inverse_transform::Cumulative;
 use super::points::{self, TexelParams};
 use crate::config::{Acceptance, Evaluate, MetropolisHastingsConfig, Scan, VplsConfig, Weights};
@@ -38,7 +38,7 @@ pub(super) fn propose(g: &mut Graph, importance: &TexelImportance, rsm: &Rsm, pa
                 .part("points", points::part(config))
                 .writes("proposed", proposed)
                 .params(params)
-                .dispatch([params.count.div_ceil(4), chains.steps, 1]);
+                .dispatch([params.count.div_ceil(AT_ONCE), chains.steps, 1]);
             Source::Proposals(proposed)
         }
     };
