@@ -19,6 +19,8 @@ const uint LANES = 32u;
 layout(constant_id = 0) const bool BEFORE_SPHERE = false;
 // Whether surfaces shadow what is before them alone.
 layout(constant_id = 1) const bool FRONTS = false;
+// Whether a cache's disk is what its surface is spread over, with gaps, and not its surface's area at one place.
+layout(constant_id = 2) const bool SILHOUETTES = false;
 
 layout(scalar, push_constant) uniform Params {
     uint count;
@@ -69,9 +71,9 @@ float overlap(float a, float half_a, float b, float half_b) {
     return max(min(a + half_a, b + half_b) - max(a - half_a, b - half_b), 0.0);
 }
 
-void cover(inout Square square, float away, vec2 at, float half_side) {
+void cover(inout Square square, float away, vec2 at, float half_side, float opacity) {
     if (away < square.reach) {
-        square.covered += overlap(square.middle.x, square.half_side, at.x, half_side) * overlap(square.middle.y, square.half_side, at.y, half_side);
+        square.covered += opacity * overlap(square.middle.x, square.half_side, at.x, half_side) * overlap(square.middle.y, square.half_side, at.y, half_side);
     }
 }
 
@@ -93,11 +95,12 @@ void hide(inout Target target, uint i, LightCache other) {
     if (!(to > 0.0 && away < max(target.diffuse.reach, target.glossy.reach)) || i == target.number) return;
     // Each side of a surface that has two has caches of its own.
     if ((FRONTS || other.one_of_two != 0u) && facing <= 0.0) return;
-    float form = other.area * to * abs(facing) / (away * (other.area + PI * away));
+    float area = SILHOUETTES ? other.silhouette : other.area, opacity = SILHOUETTES ? other.opacity : 1.0;
+    float form = area * to * abs(facing) / (away * (area + PI * away));
     vec2 at = vec2(dot(way, target.frame[0]), dot(way, target.frame[1])) * inversesqrt(away);
     float half_side = 0.5 * sqrt(PI * form);
-    cover(target.diffuse, away, at, half_side);
-    if (PROXIES == 2u) cover(target.glossy, away, at, half_side);
+    cover(target.diffuse, away, at, half_side, opacity);
+    if (PROXIES == 2u) cover(target.glossy, away, at, half_side, opacity);
 }
 
 // Whether a tile may have a cache that is before the plane and within a squared distance, with slack far above the rounding.

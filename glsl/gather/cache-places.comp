@@ -17,6 +17,8 @@ struct ModelCache {
     vec2 weights;
     vec3 normal;
     float share;
+    float silhouette;
+    float opacity;
     uint one_of_two;
 };
 
@@ -38,7 +40,7 @@ void main() {
     if (i >= params.count) return;
     // A scene without surfaces has one cache, of nothing.
     if (placed.at[i].draw == NO_CACHE) {
-        caches.at[i] = LightCache(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), 0.0, 0u);
+        caches.at[i] = LightCache(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), 0.0, 0.0, 0.0, 0u);
         return;
     }
     ModelCache it = model_caches.at[placed.at[i].model_cache];
@@ -54,5 +56,6 @@ void main() {
     vec3 at = vec3(1.0 - it.weights.x - it.weights.y, it.weights);
     vec3 normal = normalize(it.normal.x * along + it.normal.y * cross(up, along) + it.normal.z * up);
     float exponent = lobe_exponent(materials.at[draw.material].mean_roughness);
-    caches.at[i] = LightCache(world * at, 0.5 * doubled * it.share, normal, exponent, it.one_of_two);
+    float area = 0.5 * doubled;
+    caches.at[i] = LightCache(world * at, area * it.share, normal, exponent, area * it.silhouette, it.opacity, it.one_of_two);
 }

@@ -6,6 +6,8 @@ struct LightCache {
     float area;       // surface that it stands for, m^2
     vec3 normal;
     float exponent;   // of its surface's cosine lobe
+    float silhouette; // area that its surface is spread over, seen along the normal, m^2
+    float opacity;    // share of that which the surface covers
     uint one_of_two;  // whether it is on one side of a surface that has two
 };
 

@@ -154,6 +154,7 @@ pub struct DoubleProjectionConfig {
     pub before: Before,
     pub radius: ProxyRadius,
     pub sides: OccluderSides,
+    pub occluders: Occluders,
 }
 
 /// Which caches are before a proxy light and shadow it.
@@ -189,6 +190,18 @@ pub enum OccluderSides {
     /// in a street and in Sponza.
     #[default]
     Front,
+}
+
+/// What a cache is to proxy lights that it shadows.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Occluders {
+    /// A disk of its surface's area. Leaves and reveals that stand apart become one sheet, as large as all of them.
+    Areas,
+    /// The silhouette of its surface, along its normal: what is spread over more than its area lets light through, and what stands behind each
+    /// other counts once. Not in the paper.
+    #[default]
+    Silhouettes,
 }
 
 /// What gives a cache nearby its weight at a vertex, beside its normal.

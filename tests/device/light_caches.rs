@@ -6,7 +6,7 @@ use bytemuck::Zeroable;
 use glam::{DVec3, Mat3, Vec3};
 use manylight::cache::Cache;
 use manylight::config::{
-    Before, CacheOcclusion, Config, DoubleProjectionConfig, GatherMethod, Importance, LightConfig, Numbers, OccluderSides, ProxyBound,
+    Before, CacheOcclusion, Config, DoubleProjectionConfig, GatherMethod, Importance, LightConfig, Numbers, OccluderSides, Occluders, ProxyBound,
     Receiver, VplSampler,
 };
 use manylight::graph::{Engine, Execution, Graph, Library};
@@ -125,6 +125,8 @@ fn seen(disks: &[(Vec3, Vec3, f32)], angles: &[f32], choice: &DoubleProjectionCo
             area,
             normal: (turn * normal).into(),
             exponent: 0.0,
+            silhouette: area,
+            opacity: 1.0,
             one_of_two: 0,
         };
         let caches: Vec<_> = std::iter::once(cache(Vec3::ZERO, Vec3::Y, 1.0))
@@ -150,6 +152,7 @@ fn seen(disks: &[(Vec3, Vec3, f32)], angles: &[f32], choice: &DoubleProjectionCo
             .updates("within", within)
             .constant("BEFORE_SPHERE", choice.before == Before::Sphere)
             .constant("FRONTS", choice.sides == OccluderSides::Front)
+            .constant("SILHOUETTES", choice.occluders == Occluders::Silhouettes)
             .params(&OcclusionParams { count, least_radius: 0.0, deviations: 1.0 })
             .dispatch_groups([count.div_ceil(4), 1, 1]);
         let read = g.read_back(seen);
@@ -237,6 +240,8 @@ fn light_of_vertex(caches: &[Lit], bounded: bool) -> f64 {
         area: 1.0,
         normal: [0.0, 1.0, 0.0],
         exponent: 0.0,
+        silhouette: 1.0,
+        opacity: 1.0,
         one_of_two: 0,
     };
     let proxy = |cache: &Lit| ProxyLight { way: cache.way.into(), extent: cache.extent, irradiance: [cache.irradiance; 3] };
@@ -308,6 +313,8 @@ fn gathered(caches: &[(Vec3, Vec3)], vals: &[(Vec3, Vec3, f32)]) -> Vec<f64> {
         area: 1.0,
         normal: (*normal).into(),
         exponent: 0.0,
+        silhouette: 1.0,
+        opacity: 1.0,
         one_of_two: 0,
     };
     let val =

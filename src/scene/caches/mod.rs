@@ -30,7 +30,7 @@ pub const NONE: u32 = u32::MAX;
 const MOST_SAMPLES: f64 = 1.0e8;
 
 /// Changes when the same scene gives other caches.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Spacing of caches.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,6 +55,10 @@ pub struct LightCache {
     pub normal: [f32; 3],
     /// Surface that it stands for, in areas of its triangle.
     pub share: f32,
+    /// Area that this surface is spread over, seen along the normal, in areas of its triangle.
+    pub silhouette: f32,
+    /// Share of that area which the surface covers.
+    pub opacity: f32,
     /// Whether it is on one side of a surface that has two: 1 or 0.
     pub one_of_two: u32,
 }
@@ -155,8 +159,8 @@ fn of_model(model: Model, spacing: Spacing) -> ModelCaches {
     let samples = samples::of(&model, spacing);
     let places = place::places(&samples, spacing);
     let tree: Tree = KdTree3::build_by_ordered_float((0..).zip(&places).map(|(i, place)| (place.position.to_array(), i)).collect());
-    let areas = areas(&samples, &places, &tree, spacing);
-    let caches = places.iter().zip(&areas).map(|(place, area)| fixed(&model, &samples[place.sample], place.normal, *area)).collect();
+    let surfaces = surfaces(&samples, &places, &tree, spacing);
+    let caches = places.iter().zip(&surfaces).map(|(place, surface)| fixed(&model, &samples[place.sample], place.normal, surface)).collect();
     let (first_vertex, neighbours) = neighbours(&model.positions(), &tree);
     ModelCaches { caches, first_vertex, neighbours, instances: model.instances }
 }
@@ -169,8 +173,44 @@ fn nearest(tree: &Tree, position: Vec3) -> Vec<u32> {
     found.into_iter().take(NEIGHBOURS).map(|(_, number)| number).collect()
 }
 
-/// Surface that each place stands for, m^2: a discrete Voronoi diagram, in which a difference of normals counts as a distance.
-fn areas(samples: &[Sample], places: &[place::Place], tree: &Tree, spacing: Spacing) -> Vec<f64> {
+/// Surface that a place stands for.
+#[derive(Debug, Clone, Copy, Default)]
+struct Surface {
+    /// m^2.
+    area: f64,
+    /// The same seen along the place's normal.
+    seen: f64,
+    /// Moments of what is seen, along two axes in the place's tangent plane: m^3, and m^4 of their products.
+    first: [f64; 2],
+    second: [f64; 3],
+}
+
+impl Surface {
+    /// Adds a sample, at a place along two axes.
+    fn add(&mut self, sample: &Sample, cosine: f32, at: [f32; 2]) {
+        let [area, seen, u, v] = [sample.area, sample.area * cosine, at[0], at[1]].map(f64::from);
+        // A sample's own moment is that of a square.
+        let own = area / 12.0;
+        self.area += area;
+        self.seen += seen;
+        self.first = [self.first[0] + seen * u, self.first[1] + seen * v];
+        self.second = [self.second[0] + seen * (u * u + own), self.second[1] + seen * (v * v + own), self.second[2] + seen * u * v];
+    }
+
+    /// Area of a rectangle with the second moments of what is seen, m^2: it is that of a flat surface without gaps or overlaps.
+    fn silhouette(&self) -> f64 {
+        if self.seen <= 0.0 {
+            return self.area;
+        }
+        let mean = self.first.map(|sum| sum / self.seen);
+        let [uu, vv, uv] = self.second.map(|sum| sum / self.seen);
+        let (uu, vv, uv) = (uu - mean[0] * mean[0], vv - mean[1] * mean[1], uv - mean[0] * mean[1]);
+        12.0 * (uu * vv - uv * uv).max(0.0).sqrt()
+    }
+}
+
+/// Surface that each place stands for: a discrete Voronoi diagram, in which a difference of normals counts as a distance.
+fn surfaces(samples: &[Sample], places: &[place::Place], tree: &Tree, spacing: Spacing) -> Vec<Surface> {
     let turned = 0.25 * spacing.distance * spacing.distance;
     let owner = |sample: &Sample| {
         let distance =
@@ -178,28 +218,34 @@ fn areas(samples: &[Sample], places: &[place::Place], tree: &Tree, spacing: Spac
         nearest(tree, sample.position).into_iter().min_by(|a, b| distance(&places[*a as usize]).total_cmp(&distance(&places[*b as usize])))
     };
     let owners: Vec<Option<u32>> = samples.par_iter().map(owner).collect();
-    let mut areas = vec![0.0; places.len()];
+    let mut surfaces = vec![Surface::default(); places.len()];
     for (owner, sample) in owners.iter().zip(samples) {
         if let Some(owner) = owner {
-            areas[*owner as usize] += f64::from(sample.area);
+            let place = &places[*owner as usize];
+            let (u, v) = place.normal.any_orthonormal_pair();
+            let way = sample.position - place.position;
+            surfaces[*owner as usize].add(sample, place.normal.dot(sample.normal).max(0.0), [way.dot(u), way.dot(v)]);
         }
     }
-    areas
+    surfaces
 }
 
 /// A cache at a sample's place on its triangle.
-fn fixed(model: &Model, sample: &Sample, normal: Vec3, area: f64) -> LightCache {
+fn fixed(model: &Model, sample: &Sample, normal: Vec3, surface: &Surface) -> LightCache {
     let triangle = &model.triangles[sample.triangle as usize];
     let [a, b, c] = triangle.positions;
     let along = (b - a).normalize_or_zero();
     let facing = (b - a).cross(c - a);
     let up = facing.normalize_or_zero();
+    let (triangle_area, silhouette) = (0.5 * f64::from(facing.length()), surface.silhouette());
     LightCache {
         corners: triangle.corners,
         draw: triangle.draw,
         weights: sample.weights,
         normal: [normal.dot(along), normal.dot(up.cross(along)), normal.dot(up)],
-        share: (area / (0.5 * f64::from(facing.length()))) as f32,
+        share: (surface.area / triangle_area) as f32,
+        silhouette: (silhouette / triangle_area) as f32,
+        opacity: (surface.seen / silhouette.max(1e-30)).min(1.0) as f32,
         one_of_two: u32::from(triangle.double_sided),
     }
 }

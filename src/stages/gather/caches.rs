@@ -43,6 +43,8 @@ impl ShaderStruct for LightCache {
             Member { name: "weights", offset: offset_of!(LightCache, weights), bytes: 8 },
             Member { name: "normal", offset: offset_of!(LightCache, normal), bytes: 12 },
             Member { name: "share", offset: offset_of!(LightCache, share), bytes: 4 },
+            Member { name: "silhouette", offset: offset_of!(LightCache, silhouette), bytes: 4 },
+            Member { name: "opacity", offset: offset_of!(LightCache, opacity), bytes: 4 },
             Member { name: "one_of_two", offset: offset_of!(LightCache, one_of_two), bytes: 4 },
         ]
     };

@@ -14,7 +14,7 @@ use super::super::vpls::Vpls;
 use super::Indirect;
 use super::caches::FrameCaches;
 use crate::config::{
-    Before, CacheOcclusion, Dielectric, LightCachesConfig, NeighbourWeights, OccluderSides, ProxyBound, ProxyRadius, ProxyWeights, Receiver,
+    Before, CacheOcclusion, Dielectric, LightCachesConfig, NeighbourWeights, OccluderSides, Occluders, ProxyBound, ProxyRadius, ProxyWeights, Receiver,
 };
 use crate::gpu::Format;
 use crate::graph::{Buffer, Graph};
@@ -29,6 +29,8 @@ shader_struct! {
         pub area: f32,
         pub normal: [f32; 3],
         pub exponent: f32,
+        pub silhouette: f32,
+        pub opacity: f32,
         pub one_of_two: u32,
     }
 
@@ -317,6 +319,7 @@ fn occlusion(g: &mut Graph, caches: Buffer, proxies: Buffer, config: &LightCache
         .updates("within", within)
         .constant("BEFORE_SPHERE", double_projection.before == Before::Sphere)
         .constant("FRONTS", double_projection.sides == OccluderSides::Front)
+        .constant("SILHOUETTES", double_projection.occluders == Occluders::Silhouettes)
         .params(&OcclusionParams {
             count,
             // Without an extent a proxy's sphere has no size: half of the caches' own distance, d_eps / 2, stands in.
