@@ -61,7 +61,7 @@ pub struct Street {
 }
 
 impl Street {
-    pub const TRIANGLES: RangeInclusive<u32> = 30_000..=2_000_000;
+    pub const TRIANGLES: RangeInclusive<u32> = 20_000..=2_000_000;
 }
 
 impl Default for Street {
