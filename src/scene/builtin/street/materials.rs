@@ -1,4 +1,5 @@
-//! The street's materials. Albedos of walls are between 0.25 and 0.75.
+//! The street's materials. Albedos of walls are between 0.25 and 0.75, and those of coloured panels and flags are of paint and dye: between
+//! 0.04 and 0.8 in every channel.
 
 use super::super::texels::Fields;
 use super::textures;
@@ -139,16 +140,16 @@ pub fn add(scene: &mut Scene, seed: u32) -> Palette {
             add(name, [1.0; 3], Some(stripes[i]), &cloth)
         }),
         flags: [
-            add("red flag", [0.70, 0.05, 0.04], Some(weave), &cloth),
+            add("red flag", [0.70, 0.06, 0.055], Some(weave), &cloth),
             add("green flag", [0.07, 0.42, 0.14], Some(weave), &cloth),
-            add("blue flag", [0.05, 0.17, 0.60], Some(weave), &cloth),
-            add("yellow flag", [0.82, 0.55, 0.04], Some(weave), &cloth),
+            add("blue flag", [0.06, 0.17, 0.60], Some(weave), &cloth),
+            add("yellow flag", [0.80, 0.55, 0.06], Some(weave), &cloth),
         ],
         panels: [
-            add("red panel", [0.78, 0.04, 0.03], None, &plain),
-            add("green panel", [0.05, 0.55, 0.10], None, &plain),
-            add("blue panel", [0.04, 0.14, 0.72], None, &plain),
-            add("yellow panel", [0.85, 0.62, 0.03], None, &plain),
+            add("red panel", [0.66, 0.07, 0.05], None, &plain),
+            add("green panel", [0.07, 0.46, 0.12], None, &plain),
+            add("blue panel", [0.06, 0.15, 0.58], None, &plain),
+            add("yellow panel", [0.74, 0.54, 0.06], None, &plain),
         ],
         clay: add("clay tiles", [1.0; 3], Some(clay), &|m| m.normal_map = Some(clay_normal)),
         slate: add("slates", [1.0; 3], Some(slate), &|m| {

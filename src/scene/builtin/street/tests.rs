@@ -103,6 +103,18 @@ fn the_sun_reaches_the_panels_and_one_side_and_leaves_the_other_in_shadow() {
 }
 
 #[test]
+fn colours_of_panels_and_flags_are_strong_but_no_more_than_paint_has() {
+    let mut scene = Scene::default();
+    let palette = materials::add(&mut scene, 1);
+    for index in palette.panels.into_iter().chain(palette.flags) {
+        let material = &scene.materials[index as usize];
+        let color = Vec3::from_slice(&material.base_color);
+        assert!(color.min_element() >= 0.04 && color.max_element() <= 0.8, "{}: {color}", material.name);
+        assert!(color.max_element() > 3.0 * color.min_element(), "{}: {color}", material.name);
+    }
+}
+
+#[test]
 fn rows_of_houses_fill_their_sides_and_neighbours_fronts_stand_apart() {
     let houses = lots::houses();
     let long = |from: usize, to: usize| houses[from..to].iter().map(|house| house.lot.width).sum::<f32>();
