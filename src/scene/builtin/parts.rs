@@ -4,6 +4,7 @@ use super::Detail;
 use crate::scene::Scene;
 use crate::scene::builder::Mesh;
 use glam::Affine3A;
+use rayon::prelude::*;
 
 /// A mesh with its instances.
 pub struct Part {
@@ -47,6 +48,11 @@ impl Part {
             draw.material = *material;
         }
     }
+}
+
+/// All parts of these makers, in their order, made at the same time.
+pub fn of_all<P: Sync>(makers: &[fn(&P) -> Vec<Part>], plan: &P) -> Vec<Part> {
+    makers.par_iter().flat_map(|make| make(plan)).collect()
 }
 
 /// The parts at the level of detail whose triangle count is nearest to `target`. Detail 1 has about `full` triangles.

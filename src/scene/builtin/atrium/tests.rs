@@ -1,4 +1,5 @@
 use super::*;
+use crate::scene::Light;
 use crate::scene::builtin::probe::{check_normals, check_ranges, check_sight, hit};
 
 #[test]

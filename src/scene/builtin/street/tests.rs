@@ -1,6 +1,6 @@
 use super::*;
-use crate::scene::Aabb;
 use crate::scene::builtin::probe::{check_normals, check_ranges, check_sight, hit, triangles};
+use crate::scene::{Aabb, Light};
 
 #[test]
 fn the_number_of_triangles_is_met_within_five_percent() {
