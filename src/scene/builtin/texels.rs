@@ -92,8 +92,9 @@ impl Masonry {
         Self { courses, seed }
     }
 
-    /// The block at a point of the unit square, as a random number, and the distance to its edge.
-    pub fn at(&self, u: f32, v: f32) -> (u32, f32) {
+    /// The block at a texel of a square of `size` texels, as a random number, and the distance to its edge, of the square.
+    pub fn at(&self, x: usize, y: usize, size: usize) -> (u32, f32) {
+        let (u, v) = (x as f32 / size as f32, y as f32 / size as f32);
         let rows = self.courses.len() as f32;
         let row = ((v * rows) as usize).min(self.courses.len() - 1);
         let ends = &self.courses[row];
@@ -101,9 +102,14 @@ impl Masonry {
         let right = if next == ends.len() { ends[0] + 1.0 } else { ends[next] };
         let left = if next == 0 { ends[ends.len() - 1] - 1.0 } else { ends[next - 1] };
         let block = if next == ends.len() { 0 } else { next };
-        let bed = (v * rows).fract() / rows;
+        let bed = (v * rows - row as f32) / rows;
         let edge = (u - left).min(right - u).min(bed).min(1.0 / rows - bed);
         (hash(block as u32, row as u32, self.seed ^ 0x51), edge)
+    }
+
+    /// Where a block's noise is looked up for a texel: every block is cut from another part of the same texture.
+    pub fn cut(block: u32, x: usize, y: usize) -> (usize, usize) {
+        (x + (hash(block, 1, 0) % 512) as usize, y + (hash(block, 2, 0) % 512) as usize)
     }
 
     /// Relief of the blocks with joints `joint` wide (of the square): 0 in the joint, 1 on a block.
