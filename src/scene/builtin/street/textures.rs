@@ -89,7 +89,7 @@ fn tiling(x: usize, y: usize, size: usize, courses: usize, columns: usize) -> (u
     let row = v as usize;
     let u = x as f32 / size as f32 * columns as f32 + 0.5 * (row % 2) as f32;
     let column = u as usize % columns;
-    (hash(column as u32, row as u32, 0x711e), v.fract(), u.fract())
+    (hash(column as u32, row as u32, 0x711e), v - row as f32, u - (u as usize) as f32)
 }
 
 /// Flat clay tiles, eight courses on 2.4 m of roof.
