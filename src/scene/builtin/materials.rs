@@ -2,8 +2,11 @@
 
 use crate::scene::{Map, Material, Scene};
 
+/// A change to a material.
+type Change<'a> = dyn Fn(&mut Material) + 'a;
+
 /// A function that adds a rough material of a name, a colour and its map, changed by the last argument, and returns its index.
-pub fn adder(scene: &mut Scene) -> impl FnMut(&str, [f32; 3], Option<Map>, &dyn Fn(&mut Material)) -> u32 {
+pub fn adder(scene: &mut Scene) -> impl FnMut(&str, [f32; 3], Option<Map>, &Change) -> u32 {
     |name, [r, g, b], map, more| {
         let mut material =
             Material { name: name.into(), base_color: [r, g, b, 1.0], base_color_map: map, roughness: 0.9, ..Material::default() };

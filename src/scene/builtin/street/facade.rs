@@ -125,7 +125,7 @@ fn ground_floor(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
     }
 }
 
-/// How far windows stand back by default: `depth` into the wall. Where there are too few triangles for holes in it, they hang before it.
+/// How far windows stand back: `depth` into the wall. Where there are too few triangles for holes in it, they hang before it.
 fn recess(depth: f32, plan: &Plan) -> f32 {
     if plan.detail.shows(0.1) { depth } else { -0.012 }
 }
