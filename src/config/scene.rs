@@ -25,7 +25,7 @@ pub struct SceneConfig {
     #[schemars(extend("x-default" = "the file's first"))]
     pub animation: Option<SceneSelector>,
     pub builtin: Option<Builtin>,
-    /// Triangles of the built-in scene: about so many of the atrium, which has 10,000 at least, about so many of the street, which has 30,000
+    /// Triangles of the built-in scene: about so many of the atrium, which has 10,000 at least, about so many of the street, which has 20,000
     /// to 2,000,000, and exactly so many of the caustics.
     #[schemars(range(min = 8_000, max = 8_000_000))]
     pub triangles: u32,
@@ -145,7 +145,7 @@ impl SceneConfig {
     pub(super) fn rules(config: &Config) -> Result<(), Broken> {
         let (name, least, most) = match config.scene.builtin {
             Some(Builtin::Atrium) => ("atrium", 10_000, 8_000_000),
-            Some(Builtin::Street) => ("street", 30_000, 2_000_000),
+            Some(Builtin::Street) => ("street", 20_000, 2_000_000),
             Some(Builtin::Caustics | Builtin::Cornell) | None => return Ok(()),
         };
         let triangles = config.scene.triangles;

@@ -4,6 +4,7 @@ mod atrium;
 mod caustics;
 mod cornell;
 mod foliage;
+mod materials;
 mod noise;
 mod parts;
 #[cfg(test)]
@@ -18,6 +19,9 @@ pub use atrium::{Atrium, atrium};
 pub use caustics::{Caustics, caustics};
 pub use cornell::cornell;
 pub use street::{Street, street};
+
+use super::Light;
+use glam::{Affine3A, Quat, Vec3};
 
 /// Level of detail of curved surfaces; 1 is the default scene's.
 #[derive(Debug, Clone, Copy)]
@@ -34,4 +38,14 @@ impl Detail {
     fn shows(self, from: f32) -> bool {
         self.0 > from
     }
+}
+
+/// The sun of the large scenes.
+fn sun(direction: Vec3) -> Light {
+    Light::Directional { direction: direction.normalize(), irradiance: Vec3::new(22.0, 20.5, 18.0) }
+}
+
+/// A place turned about the vertical.
+fn place(x: f32, y: f32, z: f32, turn: f32) -> Affine3A {
+    Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), Vec3::new(x, y, z))
 }

@@ -40,6 +40,7 @@ impl Random {
 
 /// A square tile of periodic fractal value noise in [0, 1] with mean near one half, made once and looked up often.
 pub struct Tile {
+    /// A power of two: textures look up noise many million times, and a remainder would take longer than all else.
     size: usize,
     values: Vec<f32>,
 }
@@ -49,6 +50,7 @@ impl Tile {
     /// `gain`.
     pub fn fractal(size: usize, cells: usize, octaves: usize, gain: f32, seed: u32) -> Self {
         use rayon::prelude::*;
+        assert!(size.is_power_of_two());
         let mut values = vec![0.0f32; size * size];
         let total: f32 = (0..octaves).map(|o| gain.powi(o as i32)).sum();
         values.par_chunks_mut(size).enumerate().for_each(|(y, row)| {
@@ -84,7 +86,8 @@ impl Tile {
 
     /// Value at a texel of the repeated tile.
     pub fn texel(&self, x: usize, y: usize) -> f32 {
-        self.values[(y % self.size) * self.size + x % self.size]
+        let mask = self.size - 1;
+        self.values[(y & mask) * self.size + (x & mask)]
     }
 }
 

@@ -38,6 +38,21 @@ impl Mesh {
         self.indices.extend(if area.dot(normal) >= 0.0 { [a, b, c] } else { [a, c, b] });
     }
 
+    /// Gives corners whose normal is behind their triangle, or nearly so, a vertex of their own with the triangle's normal: a surface of few
+    /// cells has an edge where it bends so sharply.
+    pub(super) fn crease(&mut self) {
+        for first in (0..self.indices.len()).step_by(3) {
+            let corners: [usize; 3] = std::array::from_fn(|i| self.indices[first + i] as usize);
+            let [a, b, c] = corners.map(|i| self.positions[i]);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            for (i, corner) in corners.into_iter().enumerate() {
+                if self.normals[corner].dot(normal) < 0.05 {
+                    self.indices[first + i] = self.vertex(self.positions[corner], normal, self.uvs[corner]);
+                }
+            }
+        }
+    }
+
     /// A patch whose normals are computed from the surface: along `du x dv`, or against it if `flip` is set. The differences
     /// span the cells around a vertex, so that a coarse mesh is shaded by its own shape. `position` is also evaluated a little
     /// outside [0, 1] in `u`.

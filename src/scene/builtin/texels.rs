@@ -16,14 +16,13 @@ pub fn color(name: &str, size: usize, paint: impl Fn(usize, usize) -> [f32; 4] +
     let texels = rows(size, |x, y| {
         let [r, g, b, a] = paint(x, y);
         let encode = |c: f32| curve[(c.clamp(0.0, 1.0) * 4095.0) as usize];
-        [encode(r), encode(g), encode(b), (a.clamp(0.0, 1.0) * 255.0).round() as u8]
+        [encode(r), encode(g), encode(b), byte(a)]
     });
     Texture { name: name.into(), width: size as u32, height: size as u32, srgb: true, texels }
 }
 
 /// A texture of roughness (green) and metalness (blue).
 pub fn surface(name: &str, size: usize, paint: impl Fn(usize, usize) -> [f32; 2] + Sync) -> Texture {
-    let byte = |c: f32| (c.clamp(0.0, 1.0) * 255.0).round() as u8;
     let texels = rows(size, |x, y| {
         let [roughness, metallic] = paint(x, y);
         [255, byte(roughness), byte(metallic), 255]
@@ -39,14 +38,16 @@ pub fn normals(name: &str, size: usize, height: impl Fn(usize, usize) -> f32 + S
             *h = height(x, y);
         }
     });
-    let at = |x: usize, y: usize| heights[(y % size) * size + x % size];
+    let at = |x: usize, y: usize| heights[y * size + x];
+    let before = |i: usize| if i == 0 { size - 1 } else { i - 1 };
+    let after = |i: usize| if i + 1 == size { 0 } else { i + 1 };
     let texels = rows(size, |x, y| {
-        let dx = at(x + 1, y) - at(x + size - 1, y);
-        let dy = at(x, y + 1) - at(x, y + size - 1);
+        let dx = at(after(x), y) - at(before(x), y);
+        let dy = at(x, after(y)) - at(x, before(y));
         // Green points up in the image, as in glTF.
         let n = glam::Vec3::new(-dx, dy, 2.0).normalize();
-        let byte = |c: f32| ((c * 0.5 + 0.5) * 255.0).round() as u8;
-        [byte(n.x), byte(n.y), byte(n.z), 255]
+        let [r, g, b] = [n.x, n.y, n.z].map(|c| byte(c * 0.5 + 0.5));
+        [r, g, b, 255]
     });
     Texture { name: name.into(), width: size as u32, height: size as u32, srgb: false, texels }
 }
@@ -57,6 +58,11 @@ pub fn all<const COUNT: usize>(makers: [fn(&Fields, u32) -> Texture; COUNT], fie
     std::array::from_fn(|i| {
         std::mem::replace(&mut made[i], Texture { name: String::new(), width: 0, height: 0, srgb: false, texels: vec![] })
     })
+}
+
+/// A number in [0, 1] as a byte. `round` is a call to a function without SSE 4.1, which a default build does not have.
+fn byte(c: f32) -> u8 {
+    (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
 
 fn rows(size: usize, texel: impl Fn(usize, usize) -> [u8; 4] + Sync) -> Vec<u8> {
@@ -70,40 +76,51 @@ fn rows(size: usize, texel: impl Fn(usize, usize) -> [u8; 4] + Sync) -> Vec<u8> 
 }
 
 /// Blocks laid in courses on a periodic square.
-pub struct Masonry {
-    /// Ends of the blocks of each course, rising in [0, 1).
-    courses: Vec<Vec<f32>>,
-    seed: u32,
+pub struct Masonry(Vec<Course>);
+
+struct Course {
+    /// Blocks from left to right: where they begin and end, and a random number of each. The block over the square's edge is there twice.
+    blocks: Vec<(f32, f32, u32)>,
+    /// The block at each of [`Masonry::COLUMNS`] columns: millions of texels ask for theirs.
+    columns: Vec<u8>,
 }
 
 impl Masonry {
+    /// Side of the largest texture.
+    const COLUMNS: usize = 1024;
+
     /// `courses` rows of `blocks` blocks, or one more, of unequal lengths (`jitter` of a block).
     pub fn new(courses: usize, blocks: usize, jitter: f32, seed: u32) -> Self {
-        let courses = (0..courses as u32)
-            .map(|row| {
-                let count = blocks as u32 + u32::from(jitter > 0.0 && hash(row, 3, seed).is_multiple_of(2));
-                let shift = if jitter > 0.0 { unit(row, 4, seed) } else { 0.5 * (row % 2) as f32 };
-                let mut ends: Vec<f32> =
-                    (0..count).map(|i| ((i as f32 + shift + jitter * (unit(i, row, seed) - 0.5)) / count as f32).rem_euclid(1.0)).collect();
-                ends.sort_by(f32::total_cmp);
-                ends
-            })
-            .collect();
-        Self { courses, seed }
+        let course = |row: u32| {
+            let count = blocks as u32 + u32::from(jitter > 0.0 && hash(row, 3, seed).is_multiple_of(2));
+            let shift = if jitter > 0.0 { unit(row, 4, seed) } else { 0.5 * (row % 2) as f32 };
+            let mut ends: Vec<f32> =
+                (0..count).map(|i| ((i as f32 + shift + jitter * (unit(i, row, seed) - 0.5)) / count as f32).rem_euclid(1.0)).collect();
+            ends.sort_by(f32::total_cmp);
+            let lefts = ends.last().map(|end| end - 1.0).into_iter().chain(ends.iter().copied());
+            let rights = ends.iter().copied().chain(ends.first().map(|end| end + 1.0));
+            let number = |block: usize| hash((block % ends.len()) as u32, row, seed ^ 0x51);
+            let blocks = lefts.zip(rights).enumerate().map(|(block, (left, right))| (left, right, number(block))).collect();
+            let column = |x: usize| ends.partition_point(|&end| end <= x as f32 / Self::COLUMNS as f32) as u8;
+            Course { blocks, columns: (0..Self::COLUMNS).map(column).collect() }
+        };
+        Self((0..courses as u32).map(course).collect())
     }
 
-    /// The block at a point of the unit square, as a random number, and the distance to its edge.
-    pub fn at(&self, u: f32, v: f32) -> (u32, f32) {
-        let rows = self.courses.len() as f32;
-        let row = ((v * rows) as usize).min(self.courses.len() - 1);
-        let ends = &self.courses[row];
-        let next = ends.partition_point(|&end| end <= u);
-        let right = if next == ends.len() { ends[0] + 1.0 } else { ends[next] };
-        let left = if next == 0 { ends[ends.len() - 1] - 1.0 } else { ends[next - 1] };
-        let block = if next == ends.len() { 0 } else { next };
-        let bed = (v * rows).fract() / rows;
-        let edge = (u - left).min(right - u).min(bed).min(1.0 / rows - bed);
-        (hash(block as u32, row as u32, self.seed ^ 0x51), edge)
+    /// The block at a texel of a square of `size` texels, as a random number, and the distance to its edge, of the square.
+    pub fn at(&self, x: usize, y: usize, size: usize) -> (u32, f32) {
+        let (u, v) = (x as f32 / size as f32, y as f32 / size as f32);
+        let rows = self.0.len() as f32;
+        let row = ((v * rows) as usize).min(self.0.len() - 1);
+        let course = &self.0[row];
+        let (left, right, block) = course.blocks[course.columns[(u * Self::COLUMNS as f32) as usize] as usize];
+        let bed = (v * rows - row as f32) / rows;
+        (block, (u - left).min(right - u).min(bed).min(1.0 / rows - bed))
+    }
+
+    /// Where a block's noise is looked up for a texel: every block is cut from another part of the same texture.
+    pub fn cut(block: u32, x: usize, y: usize) -> (usize, usize) {
+        (x + (hash(block, 1, 0) % 512) as usize, y + (hash(block, 2, 0) % 512) as usize)
     }
 
     /// Relief of the blocks with joints `joint` wide (of the square): 0 in the joint, 1 on a block.

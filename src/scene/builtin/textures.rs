@@ -35,9 +35,8 @@ const ASHLAR_JOINT: f32 = 0.0035;
 pub fn ashlar(fields: &Fields, seed: u32) -> Texture {
     let masonry = ashlar_masonry(seed);
     color("ashlar", 1024, |x, y| {
-        let (block, edge) = masonry.at(x as f32 / 1024.0, y as f32 / 1024.0);
-        // Every block is cut from another part of the same texture.
-        let (sx, sy) = (x + (hash(block, 1, 0) % 512) as usize, y + (hash(block, 2, 0) % 512) as usize);
+        let (block, edge) = masonry.at(x, y, 1024);
+        let (sx, sy) = Masonry::cut(block, x, y);
         let relief = Masonry::relief(edge, ASHLAR_JOINT);
         let value = 0.70
             + 0.22 * (of(block, 3) - 0.5)
@@ -55,9 +54,21 @@ pub fn ashlar(fields: &Fields, seed: u32) -> Texture {
 pub fn ashlar_normal(fields: &Fields, seed: u32) -> Texture {
     let masonry = ashlar_masonry(seed);
     normals("ashlar normals", 1024, |x, y| {
-        let (block, edge) = masonry.at(x as f32 / 1024.0, y as f32 / 1024.0);
-        let (sx, sy) = (x + (hash(block, 1, 0) % 512) as usize, y + (hash(block, 2, 0) % 512) as usize);
+        let (block, edge) = masonry.at(x, y, 1024);
+        let (sx, sy) = Masonry::cut(block, x, y);
         4.0 * Masonry::relief(edge, ASHLAR_JOINT) + 5.0 * fields.clouds.texel(sx, sy) + 1.6 * fields.grain.texel(x, y)
+    })
+}
+
+/// Normals of slabs with joints `joint` wide; the weights are those of the joints, of noise of middle and high frequency, and of the tilt of
+/// worn slabs.
+pub fn slab_normals(name: &str, fields: &Fields, slabs: &Masonry, joint: f32, weights: [f32; 4]) -> Texture {
+    let [relief, clouds, grain, tilt] = weights;
+    normals(name, 1024, |x, y| {
+        let (slab, edge) = slabs.at(x, y, 1024);
+        let (u, v) = (x as f32 / 1024.0, y as f32 / 1024.0);
+        let lean = (u - 0.5) * (of(slab, 6) - 0.5) + (v - 0.5) * (of(slab, 7) - 0.5);
+        relief * Masonry::relief(edge, joint) + clouds * fields.clouds.texel(x, y) + grain * fields.grain.texel(x, y) + tilt * lean
     })
 }
 

@@ -1,5 +1,6 @@
 //! The court's materials. Albedos of stone, plaster and cloth are between 0.2 and 0.75.
 
+use super::super::materials::{adder, cloth, foliage, metallic, plain};
 use super::super::texels::Fields;
 use super::textures;
 use crate::scene::{Map, Material, Scene};
@@ -63,21 +64,11 @@ pub fn add(scene: &mut Scene, seed: u32) -> Palette {
         glow,
     ] = textures::all(&fields, seed).map(|texture| Map::new(scene.add_texture(texture)));
 
-    let mut add = |name: &str, color: [f32; 3], map: Option<Map>, more: &dyn Fn(&mut Material)| {
-        let [r, g, b] = color;
-        let mut material =
-            Material { name: name.into(), base_color: [r, g, b, 1.0], base_color_map: map, roughness: 0.9, ..Material::default() };
-        more(&mut material);
-        scene.add_material(material)
-    };
-    let plain = |_: &mut Material| {};
-    let cloth = |m: &mut Material| m.double_sided = true;
-    let metallic = |roughness: f32| {
-        move |m: &mut Material| {
-            m.metallic = 1.0;
-            m.roughness = roughness;
-            m.metallic_roughness_map = Some(metal);
-        }
+    let mut add = adder(scene);
+    let paved = |m: &mut Material| {
+        m.normal_map = Some(paving_normal);
+        m.metallic_roughness_map = Some(paving_surface);
+        m.roughness = 1.0;
     };
     Palette {
         stone: add("limestone", [0.70, 0.61, 0.47], Some(limestone), &|m| m.roughness = 0.7),
@@ -87,16 +78,8 @@ pub fn add(scene: &mut Scene, seed: u32) -> Palette {
         plaster_umber: add("umber dado", [0.44, 0.15, 0.085], Some(plaster), &plain),
         plaster_rose: add("rose plaster", [0.66, 0.27, 0.17], Some(plaster), &plain),
         plaster_white: add("lime plaster", [0.77, 0.73, 0.65], Some(plaster), &plain),
-        paving: add("paving", [0.56, 0.47, 0.37], Some(paving), &|m| {
-            m.normal_map = Some(paving_normal);
-            m.metallic_roughness_map = Some(paving_surface);
-            m.roughness = 1.0;
-        }),
-        border: add("paving border", [0.46, 0.25, 0.17], Some(paving), &|m| {
-            m.normal_map = Some(paving_normal);
-            m.metallic_roughness_map = Some(paving_surface);
-            m.roughness = 1.0;
-        }),
+        paving: add("paving", [0.56, 0.47, 0.37], Some(paving), &paved),
+        border: add("paving border", [0.46, 0.25, 0.17], Some(paving), &paved),
         tiles: add("floor tiles", [1.0; 3], Some(tiles), &|m| m.roughness = 0.5),
         roof: add("roof tiles", [1.0; 3], Some(roof), &cloth),
         lead: add("lead", [0.34, 0.35, 0.37], None, &plain),
@@ -112,15 +95,11 @@ pub fn add(scene: &mut Scene, seed: u32) -> Palette {
         terracotta: add("terracotta", [0.62, 0.29, 0.16], Some(plaster), &|m| m.roughness = 0.8),
         soil: add("soil", [0.16, 0.10, 0.06], Some(plaster), &plain),
         bark: add("bark", [0.30, 0.21, 0.13], Some(wood), &plain),
-        leaves: add("orange leaves", [1.0; 3], Some(leaf), &|m| {
-            m.double_sided = true;
-            m.alpha_cutoff = Some(0.5);
-            m.roughness = 0.5;
-        }),
+        leaves: add("orange leaves", [1.0; 3], Some(leaf), &foliage),
         agave: add("agave", [0.22, 0.40, 0.24], Some(weave), &cloth),
         orange: add("oranges", [0.75, 0.30, 0.03], None, &|m| m.roughness = 0.5),
-        bronze: add("bronze", [0.72, 0.45, 0.25], None, &metallic(0.9)),
-        brass: add("brass", [0.86, 0.66, 0.32], None, &metallic(0.7)),
+        bronze: add("bronze", [0.72, 0.45, 0.25], None, &metallic(metal, 0.9)),
+        brass: add("brass", [0.86, 0.66, 0.32], None, &metallic(metal, 0.7)),
         glass: add("lantern glass", [0.75, 0.6, 0.35], None, &|m| {
             m.emission = [9.0, 5.2, 2.1];
             m.emission_map = Some(glow);

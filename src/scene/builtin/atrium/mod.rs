@@ -18,12 +18,11 @@ mod roof;
 mod tests;
 mod textures;
 
-use super::Detail;
 use super::parts::{self, Part};
-use crate::scene::{Camera, Light, Scene};
+use super::{Detail, sun};
+use crate::scene::{Camera, Scene};
 use glam::{Affine3A, Quat, Vec3};
 use materials::Palette;
-use rayon::prelude::*;
 use std::f32::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
 
@@ -148,7 +147,7 @@ fn corners() -> [Affine3A; 4] {
 }
 
 fn parts(plan: &Plan) -> Vec<Part> {
-    let makers: [fn(&Plan) -> Vec<Part>; 9] = [
+    let makers: &[fn(&Plan) -> Vec<Part>] = &[
         arcade::parts,
         column::parts,
         balustrade::parts,
@@ -159,7 +158,7 @@ fn parts(plan: &Plan) -> Vec<Part> {
         plants::parts,
         lantern::parts,
     ];
-    makers.par_iter().flat_map(|make| make(plan)).collect()
+    parts::of_all(makers, plan)
 }
 
 /// The court with its sun and its camera. The number of triangles is clamped to [`Atrium::TRIANGLES`].
@@ -169,7 +168,7 @@ pub fn atrium(knobs: &Atrium) -> Scene {
     for part in parts_of_size(knobs, palette) {
         part.add_to(&mut scene);
     }
-    scene.lights.push(Light::Directional { direction: Vec3::new(0.34, -1.0, 0.25).normalize(), irradiance: Vec3::new(22.0, 20.5, 18.0) });
+    scene.lights.push(sun(Vec3::new(0.34, -1.0, 0.25)));
     scene.cameras.push(Camera {
         name: "court".into(),
         position: Vec3::new(-11.3, 2.2, 0.9),
@@ -182,5 +181,5 @@ pub fn atrium(knobs: &Atrium) -> Scene {
 
 fn parts_of_size(knobs: &Atrium, palette: Palette) -> Vec<Part> {
     let target = knobs.triangles.clamp(*Atrium::TRIANGLES.start(), *Atrium::TRIANGLES.end());
-    parts::of_size(target, 420_000.0, |detail| parts(&Plan { detail, seed: knobs.seed, palette }))
+    parts::of_size(target, 420_000.0, 2.0, |detail| parts(&Plan { detail, seed: knobs.seed, palette }))
 }

@@ -4,20 +4,20 @@ use super::{HALF, PITCH, PLINTH, Part, Plan};
 use crate::scene::builder::Mesh;
 use crate::scene::builtin::foliage::{Crown, direction};
 use crate::scene::builtin::noise::Random;
+use crate::scene::builtin::place;
 use crate::scene::builtin::profile::Profile;
-use glam::{Affine3A, Quat, Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 
 pub fn parts(plan: &Plan) -> Vec<Part> {
     let palette = &plan.palette;
     let mut trees = Vec::new();
     for (x, z, turn) in [(-4.5, -2.1, 0.3), (-4.5, 2.1, 2.1), (4.5, -2.1, 4.4), (4.5, 2.1, 1.2), (8.6, 2.75, 3.3), (8.6, -2.75, 5.1)] {
-        trees.push(Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), Vec3::new(x, 0.0, z)));
+        trees.push(place(x, 0.0, z, turn));
     }
     let mut agaves = Vec::new();
     for (i, x) in [-PITCH * 3.0, -PITCH, PITCH, PITCH * 3.0].into_iter().enumerate() {
         for hand in [-1.0, 1.0] {
-            let turn = Quat::from_rotation_y(i as f32 * 1.9 + hand);
-            agaves.push(Affine3A::from_rotation_translation(turn, Vec3::new(x, 0.0, hand * (HALF[1] - 0.95))));
+            agaves.push(place(x, 0.0, hand * (HALF[1] - 0.95), i as f32 * 1.9 + hand));
         }
     }
     for z in [-PITCH / 2.0, PITCH / 2.0] {

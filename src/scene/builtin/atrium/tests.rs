@@ -1,6 +1,6 @@
 use super::*;
-use crate::scene::Map;
-use crate::scene::builtin::probe::{hit, triangles};
+use crate::scene::Light;
+use crate::scene::builtin::probe::{check_normals, check_ranges, check_sight, hit};
 
 #[test]
 fn the_number_of_triangles_is_met_within_five_percent() {
@@ -33,52 +33,22 @@ fn the_same_seed_makes_the_same_bytes_and_another_one_others() {
 #[test]
 fn indices_materials_and_textures_are_in_range_and_all_numbers_finite() {
     let scene = atrium(&Atrium::default());
-    assert!(scene.draws.len() <= 300, "{} draws", scene.draws.len());
-    for draw in &scene.draws {
-        assert!(draw.transform.is_finite() && (draw.material as usize) < scene.materials.len());
-        let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
-        assert!(scene.indices[range].iter().all(|&i| ((draw.vertex_offset + i) as usize) < scene.vertices.len()));
-    }
-    assert!(scene.vertices.iter().all(|v| v.position.iter().chain(&v.uv).all(|c| c.is_finite())));
+    check_ranges(&scene, 300);
     let count = |has: fn(&crate::scene::Material) -> bool| scene.materials.iter().filter(|m| has(m)).count();
     assert!(count(|m| m.alpha_cutoff.is_some()) > 0 && count(|m| m.normal_map.is_some()) > 0 && count(|m| m.metallic > 0.0) > 0);
     assert!(count(|m| m.emission != [0.0; 3]) > 0 && count(|m| m.double_sided) > 0);
-    for material in &scene.materials {
-        let maps = [material.base_color_map, material.metallic_roughness_map, material.emission_map, material.normal_map];
-        assert!(maps.iter().flatten().all(|Map { texture, .. }| (*texture as usize) < scene.textures.len()), "{}", material.name);
-        assert!(scene.draws.iter().any(|d| scene.materials[d.material as usize].name == material.name), "{} is unused", material.name);
-    }
-    for texture in &scene.textures {
-        assert!((256..=1024).contains(&texture.width) && texture.texels.len() == (texture.width * texture.height * 4) as usize);
-    }
 }
 
 #[test]
 fn normals_agree_with_the_winding_and_no_triangle_is_degenerate() {
-    for count in [10_000, 260_000] {
-        let scene = atrium(&Atrium { triangles: count, seed: 1 });
-        let (mut all, mut wrong, mut degenerate) = (0usize, 0usize, 0usize);
-        for draw in &scene.draws {
-            for ([a, b, c], normals) in triangles(&scene, draw) {
-                let area = (b - a).cross(c - a);
-                all += 1;
-                degenerate += usize::from(area.length() < 1e-9);
-                wrong += usize::from(normals.iter().any(|n| n.dot(area) <= 0.0));
-            }
-        }
-        assert!(wrong as f64 <= 0.001 * all as f64, "{wrong} of {all} triangles have a normal on their back");
-        assert!(degenerate as f64 <= 0.001 * all as f64, "{degenerate} of {all} triangles have no area");
+    for triangles in [10_000, 260_000] {
+        check_normals(&atrium(&Atrium { triangles, seed: 1 }), 0.001);
     }
 }
 
 #[test]
 fn the_camera_sees_fronts_only_and_the_walls_keep_the_sky_out() {
     let scene = atrium(&Atrium { triangles: 60_000, seed: 1 });
-    let golden = |i: usize, n: usize| {
-        let z = 1.0 - 2.0 * (i as f32 + 0.5) / n as f32;
-        let (sin, cos) = (i as f32 * 2.399_963).sin_cos();
-        Vec3::new((1.0 - z * z).sqrt() * cos, z, (1.0 - z * z).sqrt() * sin)
-    };
     // Eyes in the court; in the lower and the upper gallery of a long side, of a short side, and in a corner.
     let eyes = [
         scene.cameras[0].position,
@@ -87,23 +57,11 @@ fn the_camera_sees_fronts_only_and_the_walls_keep_the_sky_out() {
         Vec3::new(13.9, 1.7, 0.8),
         Vec3::new(-13.8, 6.9, -6.2),
     ];
-    for eye in eyes {
-        for i in 0..160 {
-            let direction = golden(i, 160);
-            match hit(&scene, eye, direction) {
-                Some((t, material, front)) => {
-                    let material = &scene.materials[material];
-                    assert!(front || material.double_sided, "from {eye} towards {direction}: the back of {} at {t} m", material.name);
-                }
-                None => {
-                    // A ray escapes only through the open roof: it crosses the eaves' height over the court.
-                    let over = eye + direction * ((EAVES - eye.y) / direction.y);
-                    let open = direction.y > 0.0 && over.x.abs() < HALF[0] && over.z.abs() < HALF[1];
-                    assert!(open, "from {eye} towards {direction}: out through a gap");
-                }
-            }
-        }
-    }
+    // A ray escapes only through the open roof: it crosses the eaves' height over the court.
+    check_sight(&scene, &eyes, 160, |eye, direction| {
+        let over = eye + direction * ((EAVES - eye.y) / direction.y);
+        direction.y > 0.0 && over.x.abs() < HALF[0] && over.z.abs() < HALF[1]
+    });
 }
 
 #[test]

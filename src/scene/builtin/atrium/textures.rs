@@ -1,8 +1,8 @@
 //! The court's textures, painted from noise.
 
 use super::super::noise::{hash, step};
-use super::super::texels::{self, Fields, Masonry, color, normals, surface};
-use super::super::textures::{ashlar, ashlar_normal, grey, leaf, limestone, metal, of, plaster, weave, wood};
+use super::super::texels::{self, Fields, Masonry, color, surface};
+use super::super::textures::{ashlar, ashlar_normal, grey, leaf, limestone, metal, of, plaster, slab_normals, weave, wood};
 use crate::scene::Texture;
 
 const COUNT: usize = 17;
@@ -41,8 +41,8 @@ const SLAB_JOINT: f32 = 0.003;
 fn paving(fields: &Fields, seed: u32) -> Texture {
     let slabs = slabs(seed);
     color("paving", 1024, |x, y| {
-        let (slab, edge) = slabs.at(x as f32 / 1024.0, y as f32 / 1024.0);
-        let (sx, sy) = (x + (hash(slab, 1, 0) % 512) as usize, y + (hash(slab, 2, 0) % 512) as usize);
+        let (slab, edge) = slabs.at(x, y, 1024);
+        let (sx, sy) = Masonry::cut(slab, x, y);
         let relief = Masonry::relief(edge, SLAB_JOINT);
         let vein = 1.0 - step(0.0, 0.05, (fields.stains.texel(sx, sy) - 0.5).abs());
         let value = 0.74 + 0.34 * (of(slab, 3) - 0.5) + 0.16 * (fields.clouds.texel(sx, sy) - 0.5) - 0.09 * vein
@@ -54,20 +54,13 @@ fn paving(fields: &Fields, seed: u32) -> Texture {
 }
 
 fn paving_normal(fields: &Fields, seed: u32) -> Texture {
-    let slabs = slabs(seed);
-    normals("paving normals", 1024, |x, y| {
-        let (u, v) = (x as f32 / 1024.0, y as f32 / 1024.0);
-        let (slab, edge) = slabs.at(u, v);
-        // Worn slabs lie slightly tilted.
-        let tilt = (u - 0.5) * (of(slab, 6) - 0.5) + (v - 0.5) * (of(slab, 7) - 0.5);
-        3.0 * Masonry::relief(edge, SLAB_JOINT) + 2.5 * fields.clouds.texel(x, y) + 0.5 * fields.grain.texel(x, y) + 4.0 * tilt
-    })
+    slab_normals("paving normals", fields, &slabs(seed), SLAB_JOINT, [3.0, 2.5, 0.5, 4.0])
 }
 
 fn paving_surface(fields: &Fields, seed: u32) -> Texture {
     let slabs = slabs(seed);
     surface("paving roughness", 512, |x, y| {
-        let (slab, edge) = slabs.at(x as f32 / 512.0, y as f32 / 512.0);
+        let (slab, edge) = slabs.at(x, y, 512);
         let polished = Masonry::relief(edge, SLAB_JOINT) * (0.8 + 0.2 * of(slab, 5));
         [0.95 - 0.45 * polished + 0.2 * (fields.clouds.texel(x, y) - 0.5), 0.0]
     })

@@ -3,6 +3,7 @@
 use super::meshes::{Meshes, mix};
 use super::{BAY, Plan, place};
 use crate::scene::builder::Mesh;
+use crate::scene::builtin::Detail;
 use crate::scene::builtin::noise::{Random, smooth};
 use crate::scene::builtin::parts::Part;
 use crate::scene::builtin::profile::Profile;
@@ -106,6 +107,40 @@ const BOXY: f32 = 3.6;
 const WAIST: f32 = 0.52;
 const SILL: f32 = 0.20;
 
+/// How cars are simplified where there are few triangles.
+#[derive(Clone, Copy)]
+struct Cut {
+    /// Whether the body is cut out over the wheels. Otherwise these stand out of it a little.
+    arches: bool,
+    /// How far the body's ends stay open: to 0, where they round off, or to this part of a section, which a flat face closes. A round end
+    /// of one section or two would be a wedge.
+    blunt: f32,
+    /// How far the cabin's foot stands below the edge of a body's smooth sections, and how wide it is. The flat sides of a body of few
+    /// sections lie deeper and farther in.
+    foot: [f32; 2],
+}
+
+impl Cut {
+    fn of(detail: Detail) -> Self {
+        let arches = detail.shows(0.22);
+        let blunt = match ends(detail) {
+            _ if !arches => 0.72,
+            ..=2 => 0.45,
+            _ => 0.0,
+        };
+        Self { arches, blunt, foot: if rows(detail) < 8 { [0.22, 0.89] } else { [0.06, 0.945] } }
+    }
+}
+
+/// Number of sections at each end of the body, from the wheels on, and of cells around a section.
+fn ends(detail: Detail) -> usize {
+    detail.count(7.0, 1)
+}
+
+fn rows(detail: Detail) -> usize {
+    detail.count(18.0, 5)
+}
+
 impl Shape {
     /// What has the car's paint, and all else.
     fn build(&self, plan: &Plan) -> (Mesh, Meshes) {
@@ -115,9 +150,10 @@ impl Shape {
         self.cabin(&mut paint, rest.of(palette.car_glass), plan);
         let rubber = rest.of(palette.rubber);
         self.underside(rubber, plan);
+        let inset = if Cut::of(plan.detail).arches { 0.13 } else { 0.085 };
         for axle in self.axles {
             for hand in [-1.0, 1.0] {
-                let side = Affine3A::from_translation(Vec3::new(axle, self.wheel, hand * (self.half.y - 0.13)))
+                let side = Affine3A::from_translation(Vec3::new(axle, self.wheel, hand * (self.half.y - inset)))
                     * Affine3A::from_rotation_x(hand * FRAC_PI_2);
                 let (tyre, hub) = self.wheel(plan);
                 rest.of(palette.rubber).append(&tyre, side);
@@ -141,16 +177,16 @@ impl Shape {
     }
 
     /// How far the body has closed towards its ends: 1 in the middle, 0 at the ends.
-    fn end(&self, x: f32) -> f32 {
+    fn end(&self, x: f32, cut: Cut) -> f32 {
         let round = if x > 0.0 { 0.55 } else { 0.38 };
         let t = ((x.abs() - (self.half.x - round)) / round).clamp(0.0, 1.0);
-        (1.0 - t.powf(2.6)).max(0.0).powf(1.0 / 2.6)
+        (1.0 - t.powf(2.6)).max(0.0).powf(1.0 / 2.6).max(cut.blunt)
     }
 
     /// A point of the body: on the section at `x`, at an angle from its right side over the top.
-    fn skin(&self, x: f32, angle: f32) -> Vec3 {
+    fn skin(&self, x: f32, angle: f32, cut: Cut) -> Vec3 {
         let (sin, cos) = angle.sin_cos();
-        let end = self.end(x);
+        let end = self.end(x, cut);
         let up = if sin > 0.0 { self.deck(x) - WAIST } else { WAIST - SILL + 0.08 };
         let plan = 1.0 - 0.10 * (x / self.half.x).powi(4);
         let width = self.half.y * plan * (0.80 + 0.20 * end);
@@ -158,13 +194,13 @@ impl Shape {
     }
 
     /// Angle at which the section at `x` begins: at the sill, or at the arch over a wheel.
-    fn begin(&self, x: f32) -> f32 {
+    fn begin(&self, x: f32, cut: Cut) -> f32 {
         let arch = self.axles.iter().map(|axle| {
             let (dx, radius) = (x - axle, self.wheel + 0.065);
             if dx.abs() < radius - 1e-3 { self.wheel + (radius * radius - dx * dx).max(0.0).sqrt() } else { 0.0 }
         });
-        let foot = arch.fold(SILL, f32::max);
-        let end = self.end(x).max(1e-3);
+        let foot = if cut.arches { arch.fold(SILL, f32::max) } else { SILL };
+        let end = self.end(x, cut).max(1e-3);
         let s = foot - WAIST;
         let up = if s > 0.0 { self.deck(x) - WAIST } else { WAIST - SILL + 0.08 };
         power((s / (up * end)).clamp(-0.99, 0.99), 0.5 * BOXY).asin()
@@ -172,7 +208,10 @@ impl Shape {
 
     /// Places of the sections: close together at the ends and along the arches.
     fn stations(&self, plan: &Plan) -> Vec<f32> {
-        let (ends, arch, middle) = (plan.detail.count(7.0, 1), plan.detail.count(12.0, 2), plan.detail.count(6.0, 1));
+        let (ends, arch, middle) = (ends(plan.detail), plan.detail.count(12.0, 3), plan.detail.count(6.0, 1));
+        if !Cut::of(plan.detail).arches {
+            return vec![-self.half.x, self.axles[0], self.axles[1], self.half.x];
+        }
         let radius = self.wheel + 0.065;
         let [rear, front] = self.axles;
         let mut xs = Vec::new();
@@ -192,33 +231,41 @@ impl Shape {
         xs
     }
 
-    /// The body, open below. Normals are those of the skin without arches.
+    /// The body, open below. Its normals span the cells around a vertex, so that a body of few sections is shaded by its own
+    /// shape, as if no arches were cut out.
     fn body(&self, mesh: &mut Mesh, plan: &Plan) {
-        let xs = self.stations(plan);
-        let rows = 2 * plan.detail.count(9.0, 2);
-        mesh.patch(xs.len() - 1, rows, |u, v| {
-            let x = xs[(u * (xs.len() - 1) as f32).round() as usize];
-            let begin = self.begin(x);
-            let angle = mix(begin, PI - begin, v);
-            let (hx, ha) = (4e-3, 2e-2);
-            // The ends' normals are taken a little inside.
-            let at = x.clamp(-self.half.x + 2.0 * hx, self.half.x - 2.0 * hx);
-            let du = self.skin(at + hx, angle) - self.skin(at - hx, angle);
-            let dv = self.skin(at, angle + ha) - self.skin(at, angle - ha);
-            (self.skin(x, angle), du.cross(dv).normalize_or(Vec3::Y), Vec2::new(x, angle))
+        let (xs, rows, cut) = (self.stations(plan), rows(plan.detail), Cut::of(plan.detail));
+        let last = xs.len() - 1;
+        let begins: Vec<f32> = xs.iter().map(|x| self.begin(*x, cut)).collect();
+        let angle = |i: usize, v: f32| mix(begins[i], PI - begins[i], v);
+        mesh.patch(last, rows, |u, v| {
+            let i = (u * last as f32).round() as usize;
+            let (before, after) = (xs[i.saturating_sub(1)], xs[(i + 1).min(last)]);
+            let (angle, step) = (angle(i, v), (PI - 2.0 * begins[i]) / rows as f32);
+            let du = self.skin(after, angle, cut) - self.skin(before, angle, cut);
+            let dv = self.skin(xs[i], angle + step, cut) - self.skin(xs[i], angle - step, cut);
+            (self.skin(xs[i], angle, cut), du.cross(dv).normalize_or(Vec3::Y), Vec2::new(xs[i], angle))
         });
+        if cut.blunt > 0.0 {
+            for (i, normal) in [(0, Vec3::NEG_X), (last, Vec3::X)] {
+                let rim: Vec<Vec3> = (0..=rows).map(|j| self.skin(xs[i], angle(i, j as f32 / rows as f32), cut)).collect();
+                mesh.cap(&rim, normal, 1.0);
+            }
+        }
+        mesh.crease();
     }
 
     /// A point of the cabin: `u` from its rear end to its front, `v` from the right side over the roof to the left one.
-    fn hull(&self, u: f32, v: f32) -> Vec3 {
+    fn hull(&self, u: f32, v: f32, cut: Cut) -> Vec3 {
         let (t, v) = (smooth(u.clamp(0.0, 1.0)), v.clamp(0.0, 1.0));
         let (sin, cos) = (PI * v).sin_cos();
         let round = (1.0 - (2.0 * t - 1.0).powi(4)).max(0.0).powf(0.25);
         // The ends lean from the body to the roof.
         let up = round * power(sin, 2.0 / BOXY);
         let x = mix(mix(self.cabin[0], self.roof[0], up), mix(self.cabin[1], self.roof[1], up), t);
-        let base = self.deck(x).min(self.deck[1]) - 0.06;
-        let width = self.half.y * mix(0.945, self.narrow, up) * (0.88 + 0.12 * round);
+        let [foot, wide] = cut.foot;
+        let base = self.deck(x).min(self.deck[1]) - foot;
+        let width = self.half.y * mix(wide, self.narrow, up) * (0.88 + 0.12 * round);
         Vec3::new(x, mix(base, self.height, up), width * power(cos, 2.0 / BOXY))
     }
 
@@ -230,7 +277,7 @@ impl Shape {
         } else {
             (&[0.0, 0.17, 0.83, 1.0], &[0.0, 0.25, 0.75, 1.0])
         };
-        let fine = along.len() > 4;
+        let (fine, cut) = (along.len() > 4, Cut::of(plan.detail));
         for (i, u) in along.windows(2).enumerate() {
             for (j, v) in around.windows(2).enumerate() {
                 let side = matches!(i, 3 | 5) && matches!(j, 0 | 4);
@@ -240,7 +287,7 @@ impl Shape {
                 mesh.surface(
                     cells,
                     false,
-                    |a, b| self.hull(u[0] + (u[1] - u[0]) * a, v[0] + (v[1] - v[0]) * b),
+                    |a, b| self.hull(u[0] + (u[1] - u[0]) * a, v[0] + (v[1] - v[0]) * b, cut),
                     |a, b| Vec2::new(u[0] + (u[1] - u[0]) * a, v[0] + (v[1] - v[0]) * b),
                 );
             }
@@ -250,6 +297,12 @@ impl Shape {
     /// A dark floor between the wheels, and linings in the arches.
     fn underside(&self, mesh: &mut Mesh, plan: &Plan) {
         let (length, width) = (self.half.x - 0.22, self.half.y - 0.26);
+        if !Cut::of(plan.detail).arches {
+            // The body's lower edge hides all but the floor.
+            let length = length - 0.3;
+            mesh.cuboid(Vec3::new(-length, SILL - 0.03, -width), Vec3::new(length, SILL + 0.1, width), "-x+x-y-z+z", 1.0);
+            return;
+        }
         mesh.solid(Vec3::new(-length, SILL - 0.03, -width), Vec3::new(length, WAIST + 0.08, width), f32::INFINITY, 1.0);
         let radius = self.wheel + 0.06;
         for axle in self.axles {
@@ -271,7 +324,7 @@ impl Shape {
     /// A tyre and its hub about the y axis, which points outwards.
     fn wheel(&self, plan: &Plan) -> (Mesh, Mesh) {
         let (radius, half) = (self.wheel, 0.105);
-        let sides = plan.detail.count(26.0, 5);
+        let sides = plan.detail.count(26.0, 6);
         let (mut tyre, mut hub) = (Mesh::default(), Mesh::default());
         let profile = Profile::from(0.60 * radius, -half)
             .line(0.86 * radius, -half)
@@ -303,12 +356,12 @@ impl Shape {
         let mut bead = |material: u32, at: Vec3, size: Vec3| {
             rest.of(material).append(&ball, Affine3A::from_translation(at) * Affine3A::from_scale(size));
         };
-        let (x, side) = (self.half.x, self.half.y);
+        let (x, side, cut) = (self.half.x, self.half.y, Cut::of(plan.detail));
         if !plan.detail.shows(0.13) {
             return;
         }
         for hand in [-1.0, 1.0] {
-            let front = self.skin(x - 0.13, 0.75);
+            let front = self.skin(x - 0.13, 0.75, cut);
             bead(
                 palette.headlamps,
                 Vec3::new(x - 0.17, 0.5 * (front.y + WAIST) + 0.05, hand * (side - 0.27)),
@@ -317,7 +370,7 @@ impl Shape {
             let height = 0.5 * (self.deck[2] + WAIST) + 0.06;
             bead(palette.tail_lamps, Vec3::new(0.115 - x, height, hand * (side - 0.20)), Vec3::new(0.065, 0.11, 0.09));
             // Mirrors.
-            let mirror = self.hull(0.86, 0.08);
+            let mirror = self.hull(0.86, 0.08, cut);
             bead(palette.rubber, Vec3::new(mirror.x + 0.05, mirror.y + 0.02, hand * (mirror.z.abs() + 0.10)), Vec3::new(0.07, 0.07, 0.10));
         }
         let rubber = rest.of(palette.rubber);

@@ -78,7 +78,7 @@ fn ground_floor(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
     let pitch = front.width / front.bays as f32;
     let ground = lot.ground();
     let shop = front.main && matches!(lot.base, Base::Shop(..));
-    let (low, head, depth) = if shop { (0.62, ground - 1.08, 0.32) } else { (1.15, ground - 0.8, recess(plan)) };
+    let (low, head, depth) = if shop { (0.62, ground - 1.08, recess(0.32, plan)) } else { (1.15, ground - 0.8, recess(0.2, plan)) };
     let door_bay = match (front.main, shop) {
         (false, _) => None,
         (true, true) => Some(house.number as usize % front.bays),
@@ -106,12 +106,7 @@ fn ground_floor(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
     let xs = lines(front, openings.iter().map(|opening| opening.x));
     let ys = [BELOW, KERB, low, head, ground];
     let hole = |i: usize, j: usize| i % 2 == 1 && (j == 2 || j == 1 && openings[i / 2].door);
-    let [wall, _] = lot.walls;
-    let material = plan.palette.walls[wall as usize];
-    out.of(material).wall([&xs, &ys], front.z, plan.cell(), tile(wall), hole);
-    if depth > 0.0 {
-        out.of(material).reveals([&xs, &ys], front.z, depth, plan.cell(), tile(wall), hole);
-    }
+    pierced(out, lot.walls[0], [&xs, &ys], front, depth, plan, hole);
     if shop {
         shops::build(out, house, front, &openings, plan);
     } else {
@@ -130,9 +125,29 @@ fn ground_floor(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
     }
 }
 
-/// How far windows stand back: nothing, where there are too few triangles for the sides of their openings.
-fn recess(plan: &Plan) -> f32 {
-    if plan.detail.shows(0.1) { 0.2 } else { 0.0 }
+/// How far windows stand back: `depth` into the wall. Where there are too few triangles for holes in it, they hang before it.
+fn recess(depth: f32, plan: &Plan) -> f32 {
+    if plan.detail.shows(0.1) { depth } else { -0.012 }
+}
+
+/// A wall with these openings in it, or a bare one where they hang before it.
+fn pierced(
+    out: &mut Meshes,
+    wall: Wall,
+    [xs, ys]: [&[f32]; 2],
+    front: &Front,
+    depth: f32,
+    plan: &Plan,
+    hole: impl Fn(usize, usize) -> bool,
+) {
+    let mesh = out.of(plan.palette.walls[wall as usize]);
+    if depth > 0.0 {
+        mesh.wall([xs, ys], front.z, plan.cell(), tile(wall), &hole);
+        mesh.reveals([xs, ys], front.z, depth, plan.cell(), tile(wall), &hole);
+    } else {
+        let ends = |lines: &[f32]| [lines[0], lines[lines.len() - 1]];
+        mesh.wall([&ends(xs), &ends(ys)], front.z, plan.cell(), tile(wall), |_, _| false);
+    }
 }
 
 /// Half the width of a window.
@@ -144,7 +159,6 @@ fn upper_floors(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
     let lot = &house.lot;
     let top = house.eaves() + if front.parapet { PARAPET } else { 0.0 };
     let [_, wall] = lot.walls;
-    let material = plan.palette.walls[wall as usize];
     let dress = match lot.dress {
         Dress::Hoarding(_) if !front.main => Dress::Plain,
         Dress::Balconies if !front.main => Dress::Bands,
@@ -152,13 +166,13 @@ fn upper_floors(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
     };
     if let Dress::Hoarding(color) = dress {
         let xs = lines(front, std::iter::empty());
-        out.of(material).wall([&xs, &[lot.ground(), top]], front.z, plan.cell(), tile(wall), |_, _| false);
+        out.of(plan.palette.walls[wall as usize]).wall([&xs, &[lot.ground(), top]], front.z, plan.cell(), tile(wall), |_, _| false);
         panels::hoarding(out, house, front, color, plan);
         return;
     }
     let pitch = front.width / front.bays as f32;
     let half = half_width(pitch, dress);
-    let depth = recess(plan);
+    let depth = recess(0.2, plan);
     let openings: Vec<Opening> = (1..lot.storeys)
         .flat_map(|storey| (0..front.bays).map(move |bay| (storey, bay)))
         .map(|(storey, bay)| {
@@ -179,10 +193,7 @@ fn upper_floors(out: &mut Meshes, house: &House, front: &Front, plan: &Plan) {
     ys.extend(openings.iter().step_by(front.bays).flat_map(|opening| opening.y));
     ys.push(top);
     let hole = |i: usize, j: usize| i % 2 == 1 && j % 2 == 1;
-    out.of(material).wall([&xs, &ys], front.z, plan.cell(), tile(wall), hole);
-    if depth > 0.0 {
-        out.of(material).reveals([&xs, &ys], front.z, depth, plan.cell(), tile(wall), hole);
-    }
+    pierced(out, wall, [&xs, &ys], front, depth, plan, hole);
     for opening in &openings {
         windows::window(out, opening, plan);
         if !opening.door {

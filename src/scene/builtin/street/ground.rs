@@ -10,6 +10,8 @@ use std::f32::consts::FRAC_PI_2;
 
 /// Width of the kerbs' stones.
 const STONE: f32 = 0.15;
+/// Height of the pavements' slabs: a little below the kerbs.
+const SLAB: f32 = KERB - 0.006;
 /// Radius of the kerbs around the corners.
 const ROUND: f32 = 2.5;
 /// How far the ground goes on under what stands beside it.
@@ -44,27 +46,26 @@ pub fn parts(plan: &Plan) -> Vec<Part> {
     both(&mut asphalt, &junction, mirror_x);
 
     // The pavements of one side, then of both. They end under the kerbs' stones.
-    let slab = KERB - 0.006;
     let under = ROAD + STONE - 0.05;
     let corner = Vec2::new(ACROSS[0] - ROUND, ROAD + ROUND);
     let metres = |p: Vec2| p / 3.0;
     let mut side = Mesh::default();
-    side.floor([&[-corner.x, corner.x], &[under, corner.y, FRONT + UNDER]], slab, cell, |_, _| false, metres);
+    side.floor([&[-corner.x, corner.x], &[under, corner.y, FRONT + UNDER]], SLAB, cell, |_, _| false, metres);
     let mut beyond = Mesh::default();
     let inner = ACROSS[0] - STONE + 0.05;
-    beyond.floor([&[HALF - UNDER, corner.x, inner], &[corner.y, FRONT + UNDER, far]], slab, cell, |i, j| i == 0 && j == 0, metres);
+    beyond.floor([&[HALF - UNDER, corner.x, inner], &[corner.y, FRONT + UNDER, far]], SLAB, cell, |i, j| i == 0 && j == 0, metres);
     let radius = corner.y - under;
     beyond.patch(plan.detail.count(10.0, 4).max(cells(ROUND, cell)), cells(radius, cell), |u, v| {
         let (sin, cos) = (FRAC_PI_2 * u).sin_cos();
         let at = corner + radius * v * Vec2::new(sin, -cos);
-        (Vec3::new(at.x, slab, at.y), Vec3::Y, metres(at))
+        (Vec3::new(at.x, SLAB, at.y), Vec3::Y, metres(at))
     });
     both(&mut side, &beyond, mirror_x);
     let mut slabs = Mesh::default();
     both(&mut slabs, &side, mirror_z);
     let mut end = Mesh::default();
     let inner = ACROSS[1] + STONE - 0.05;
-    end.floor([&[inner, HALF + CROSS + UNDER], &[-far, far]], slab, cell, |_, _| false, metres);
+    end.floor([&[inner, HALF + CROSS + UNDER], &[-far, far]], SLAB, cell, |_, _| false, metres);
     both(&mut slabs, &end, mirror_x);
 
     let mut kerbs = Mesh::default();
@@ -127,11 +128,9 @@ fn around(plan: &Plan) -> Edge {
 
 /// The kerb's stones along an edge.
 fn kerb(mesh: &mut Mesh, edge: &[(Vec2, Vec2)], plan: &Plan) {
-    let profile = Profile::from(0.0, -0.05)
-        .line(0.0, KERB - 0.035)
-        .curve((0.0, KERB), (-0.035, KERB), 3.0)
-        .line(-STONE, KERB)
-        .line(-STONE, KERB - 0.03);
+    let profile = Profile::from(0.0, -0.05).line(0.0, KERB - 0.035).curve((0.0, KERB), (-0.035, KERB), 3.0);
+    // The back is too low to be kept where mouldings are simplified: the stones would slope away under the pavement's edge.
+    let profile = if plan.detail.shows(0.12) { profile.line(-STONE, KERB).line(-STONE, KERB - 0.03) } else { profile.line(-STONE, SLAB) };
     let lengths: Vec<f32> = edge
         .iter()
         .scan((edge[0].0, 0.0), |(last, length), (point, _)| {

@@ -1,5 +1,7 @@
-//! The street's materials. Albedos of walls are between 0.25 and 0.75.
+//! The street's materials. Albedos of walls are between 0.25 and 0.75, and those of coloured panels and flags are of paint and dye: between
+//! 0.04 and 0.8 in every channel.
 
+use super::super::materials::{adder, cloth, foliage, metallic, plain};
 use super::super::texels::Fields;
 use super::textures;
 use crate::scene::{Map, Material, Scene};
@@ -78,21 +80,9 @@ pub fn add(scene: &mut Scene, seed: u32) -> Palette {
         stripes @ ..,
     ] = textures::all(&fields, seed).map(|texture| Map::new(scene.add_texture(texture)));
 
-    let mut add = |name: &str, color: [f32; 3], map: Option<Map>, more: &dyn Fn(&mut Material)| {
-        let [r, g, b] = color;
-        let mut material =
-            Material { name: name.into(), base_color: [r, g, b, 1.0], base_color_map: map, roughness: 0.9, ..Material::default() };
-        more(&mut material);
-        scene.add_material(material)
-    };
-    let plain = |_: &mut Material| {};
-    let cloth = |m: &mut Material| m.double_sided = true;
+    let mut add = adder(scene);
     let gloss = |m: &mut Material| m.roughness = 0.3;
     let bonded = |m: &mut Material| m.normal_map = Some(brick_normal);
-    let metallic = |m: &mut Material| {
-        m.metallic = 1.0;
-        m.metallic_roughness_map = Some(metal);
-    };
     Palette {
         walls: [
             add("white plaster", [0.76, 0.74, 0.69], Some(plaster), &plain),
@@ -116,7 +106,7 @@ pub fn add(scene: &mut Scene, seed: u32) -> Palette {
         shop_glass: add("shop windows", [1.0; 3], Some(shops), &gloss),
         frames: add("white frames", [0.72, 0.71, 0.67], None, &|m| m.roughness = 0.5),
         iron: add("wrought iron", [0.045, 0.047, 0.05], None, &|m| m.roughness = 0.5),
-        steel: add("steel", [0.60, 0.60, 0.59], None, &metallic),
+        steel: add("steel", [0.60, 0.60, 0.59], None, &metallic(metal, 0.9)),
         shutters: [
             add("green shutters", [0.10, 0.26, 0.15], Some(wood), &|m| m.roughness = 0.6),
             add("blue shutters", [0.15, 0.29, 0.45], Some(wood), &|m| m.roughness = 0.6),
@@ -139,16 +129,16 @@ pub fn add(scene: &mut Scene, seed: u32) -> Palette {
             add(name, [1.0; 3], Some(stripes[i]), &cloth)
         }),
         flags: [
-            add("red flag", [0.70, 0.05, 0.04], Some(weave), &cloth),
+            add("red flag", [0.70, 0.06, 0.055], Some(weave), &cloth),
             add("green flag", [0.07, 0.42, 0.14], Some(weave), &cloth),
-            add("blue flag", [0.05, 0.17, 0.60], Some(weave), &cloth),
-            add("yellow flag", [0.82, 0.55, 0.04], Some(weave), &cloth),
+            add("blue flag", [0.06, 0.17, 0.60], Some(weave), &cloth),
+            add("yellow flag", [0.80, 0.55, 0.06], Some(weave), &cloth),
         ],
         panels: [
-            add("red panel", [0.78, 0.04, 0.03], None, &plain),
-            add("green panel", [0.05, 0.55, 0.10], None, &plain),
-            add("blue panel", [0.04, 0.14, 0.72], None, &plain),
-            add("yellow panel", [0.85, 0.62, 0.03], None, &plain),
+            add("red panel", [0.66, 0.07, 0.05], None, &plain),
+            add("green panel", [0.07, 0.46, 0.12], None, &plain),
+            add("blue panel", [0.06, 0.15, 0.58], None, &plain),
+            add("yellow panel", [0.74, 0.54, 0.06], None, &plain),
         ],
         clay: add("clay tiles", [1.0; 3], Some(clay), &|m| m.normal_map = Some(clay_normal)),
         slate: add("slates", [1.0; 3], Some(slate), &|m| {
@@ -165,11 +155,7 @@ pub fn add(scene: &mut Scene, seed: u32) -> Palette {
         kerb: add("granite kerb", [0.56, 0.55, 0.54], Some(limestone), &|m| m.roughness = 0.7),
         posters: add("posters", [1.0; 3], Some(posters), &|m| m.roughness = 0.6),
         bark: add("bark", [0.27, 0.21, 0.15], Some(wood), &plain),
-        leaves: add("leaves", [0.95, 1.0, 0.9], Some(leaf), &|m| {
-            m.double_sided = true;
-            m.alpha_cutoff = Some(0.5);
-            m.roughness = 0.5;
-        }),
+        leaves: add("leaves", [0.95, 1.0, 0.9], Some(leaf), &foliage),
         soil: add("soil", [0.16, 0.11, 0.07], Some(plaster), &plain),
         timber: add("bench slats", [0.44, 0.25, 0.12], Some(wood), &|m| m.roughness = 0.6),
         lamp_glass: add("lamp glass", [0.80, 0.78, 0.70], None, &gloss),
@@ -185,7 +171,7 @@ pub fn add(scene: &mut Scene, seed: u32) -> Palette {
         ],
         car_glass: add("car glass", [0.035, 0.045, 0.05], None, &|m| m.roughness = 0.1),
         rubber: add("rubber", [0.035, 0.035, 0.036], None, &plain),
-        hubs: add("hubs", [0.72, 0.72, 0.72], None, &metallic),
+        hubs: add("hubs", [0.72, 0.72, 0.72], None, &metallic(metal, 0.9)),
         headlamps: add("headlamps", [0.78, 0.78, 0.75], None, &gloss),
         tail_lamps: add("tail lamps", [0.50, 0.02, 0.02], None, &gloss),
     }

@@ -151,7 +151,7 @@ impl Mesh {
     }
 
     /// A flat end: a fan over points in order, from the middle of the line between the first and the last.
-    fn cap(&mut self, points: &[Vec3], normal: Vec3, tile: f32) {
+    pub(super) fn cap(&mut self, points: &[Vec3], normal: Vec3, tile: f32) {
         let middle = 0.5 * (points[0] + points[points.len() - 1]);
         let uv = |p: Vec3| Vec2::new(p.z, -p.y) / tile;
         let hub = self.vertex(middle, normal, uv(middle));

@@ -25,12 +25,11 @@ mod textures;
 mod trees;
 mod windows;
 
-use super::Detail;
 use super::parts::{self, Part};
-use crate::scene::{Camera, Light, Scene};
-use glam::{Affine3A, Quat, Vec3};
+use super::{Detail, place, sun};
+use crate::scene::{Camera, Scene};
+use glam::Vec3;
 use materials::Palette;
-use rayon::prelude::*;
 use std::ops::RangeInclusive;
 
 /// Half the length of the rows of houses along the street.
@@ -61,7 +60,7 @@ pub struct Street {
 }
 
 impl Street {
-    pub const TRIANGLES: RangeInclusive<u32> = 30_000..=2_000_000;
+    pub const TRIANGLES: RangeInclusive<u32> = 20_000..=2_000_000;
 }
 
 impl Default for Street {
@@ -91,15 +90,8 @@ impl Plan {
     }
 }
 
-/// A place turned about the vertical.
-fn place(x: f32, y: f32, z: f32, turn: f32) -> Affine3A {
-    Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), Vec3::new(x, y, z))
-}
-
 fn parts(plan: &Plan) -> Vec<Part> {
-    let makers: [fn(&Plan) -> Vec<Part>; 7] =
-        [ground::parts, houses::parts, panels::parts, cars::parts, trees::parts, furniture::parts, terraces::parts];
-    makers.par_iter().flat_map(|make| make(plan)).collect()
+    parts::of_all(&[ground::parts, houses::parts, panels::parts, cars::parts, trees::parts, furniture::parts, terraces::parts], plan)
 }
 
 /// The street with the sun of day and its camera. The number of triangles is clamped to [`Street::TRIANGLES`].
@@ -109,7 +101,7 @@ pub fn street(knobs: &Street) -> Scene {
     for part in parts_of_size(knobs, palette) {
         part.add_to(&mut scene);
     }
-    scene.lights.push(Light::Directional { direction: Vec3::new(0.34, -1.0, -0.62).normalize(), irradiance: Vec3::new(22.0, 20.5, 18.0) });
+    scene.lights.push(sun(Vec3::new(0.34, -1.0, -0.62)));
     scene.cameras.push(Camera {
         name: "street".into(),
         position: Vec3::new(-47.0, 2.6, 1.6),
@@ -122,5 +114,5 @@ pub fn street(knobs: &Street) -> Scene {
 
 fn parts_of_size(knobs: &Street, palette: Palette) -> Vec<Part> {
     let target = knobs.triangles.clamp(*Street::TRIANGLES.start(), *Street::TRIANGLES.end());
-    parts::of_size(target, 300_000.0, |detail| parts(&Plan { detail, seed: knobs.seed, palette }))
+    parts::of_size(target, 510_000.0, 1.17, |detail| parts(&Plan { detail, seed: knobs.seed, palette }))
 }

@@ -123,7 +123,12 @@ fn chimneys(out: &mut Meshes, house: &House, ridge: f32, plan: &Plan) {
             1.92,
         );
         let stone = out.of(plan.palette.limestone);
-        stone.solid(Vec3::new(x - 0.70, ridge + tall, z - 0.42), Vec3::new(x + 0.70, ridge + tall + 0.12, z + 0.42), f32::INFINITY, 1.5);
+        if plan.detail.shows(0.06) {
+            let (min, max) = (Vec3::new(x - 0.70, ridge + tall, z - 0.42), Vec3::new(x + 0.70, ridge + tall + 0.12, z + 0.42));
+            stone.solid(min, max, f32::INFINITY, 1.5);
+        } else {
+            stone.cuboid(Vec3::new(x - 0.62, ridge, z - 0.34), Vec3::new(x + 0.62, ridge + tall, z + 0.34), "+y", 1.5);
+        }
         if plan.detail.shows(0.22) {
             let profile = Profile::from(0.15, 0.0).line(0.12, 0.40).torus(0.03, 0.48, 3.0).line(0.09, 0.48).line(0.08, 0.30);
             let mut pot = Mesh::default();

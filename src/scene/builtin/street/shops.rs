@@ -43,7 +43,7 @@ fn window(out: &mut Meshes, opening: &Opening, sign: usize, plan: &Plan) {
     let picture = quarter(opening.number, plan.seed);
     out.of(plan.palette.shop_glass).picture([x0 - 0.03, x1 + 0.03], [y0 - 0.05, y1 + 0.03], z, picture, plan.cell());
     let frames = if sign == 4 { out.of(plan.palette.frames) } else { out.of(plan.palette.iron) };
-    if opening.door || plan.detail.shows(0.2) {
+    if opening.door && plan.detail.shows(0.06) || plan.detail.shows(0.2) {
         let mut bar = |x: [f32; 2], y: [f32; 2], faces: &str| {
             frames.cuboid(Vec3::new(x[0], y[0], z), Vec3::new(x[1], y[1], z + 0.07), faces, 1.5);
         };

@@ -2,7 +2,7 @@
 
 use super::super::noise::{hash, step, unit};
 use super::super::texels::{self, Fields, Masonry, color, normals};
-use super::super::textures::{ashlar, ashlar_normal, grey, leaf, limestone, metal, of, plaster, weave, wood};
+use super::super::textures::{ashlar, ashlar_normal, grey, leaf, limestone, metal, of, plaster, slab_normals, weave, wood};
 use crate::scene::Texture;
 use std::f32::consts::{PI, TAU};
 
@@ -58,7 +58,7 @@ const BRICK_JOINT: f32 = 0.0045;
 fn brick(fields: &Fields, seed: u32) -> Texture {
     let bricks = bricks(seed);
     color("brick", 1024, |x, y| {
-        let (brick, edge) = bricks.at(x as f32 / 1024.0, y as f32 / 1024.0);
+        let (brick, edge) = bricks.at(x, y, 1024);
         let relief = Masonry::relief(edge, BRICK_JOINT);
         let burnt = if of(brick, 5) > 0.86 { 0.22 } else { 0.0 };
         let value = 0.84 - burnt
@@ -77,7 +77,7 @@ fn brick(fields: &Fields, seed: u32) -> Texture {
 fn brick_normal(fields: &Fields, seed: u32) -> Texture {
     let bricks = bricks(seed);
     normals("brick normals", 1024, |x, y| {
-        let (brick, edge) = bricks.at(x as f32 / 1024.0, y as f32 / 1024.0);
+        let (brick, edge) = bricks.at(x, y, 1024);
         let proud = 0.8 + 0.4 * of(brick, 6);
         2.6 * proud * Masonry::relief(edge, BRICK_JOINT) + 1.6 * fields.clouds.texel(x, y) + 1.0 * fields.grain.texel(x, y)
     })
@@ -89,7 +89,7 @@ fn tiling(x: usize, y: usize, size: usize, courses: usize, columns: usize) -> (u
     let row = v as usize;
     let u = x as f32 / size as f32 * columns as f32 + 0.5 * (row % 2) as f32;
     let column = u as usize % columns;
-    (hash(column as u32, row as u32, 0x711e), v.fract(), u.fract())
+    (hash(column as u32, row as u32, 0x711e), v - row as f32, u - (u as usize) as f32)
 }
 
 /// Flat clay tiles, eight courses on 2.4 m of roof.
@@ -198,8 +198,8 @@ const FLAG_JOINT: f32 = 0.0035;
 fn slabs(fields: &Fields, seed: u32) -> Texture {
     let flags = flags(seed);
     color("slabs", 1024, |x, y| {
-        let (flag, edge) = flags.at(x as f32 / 1024.0, y as f32 / 1024.0);
-        let (sx, sy) = (x + (hash(flag, 1, 0) % 512) as usize, y + (hash(flag, 2, 0) % 512) as usize);
+        let (flag, edge) = flags.at(x, y, 1024);
+        let (sx, sy) = Masonry::cut(flag, x, y);
         let gum = step(0.83, 0.86, fields.clouds.texel(x * 2 + 77, y * 2 + 11)) * 0.10;
         let value = 0.47
             + 0.13 * (of(flag, 3) - 0.5)
@@ -212,13 +212,7 @@ fn slabs(fields: &Fields, seed: u32) -> Texture {
 }
 
 fn slabs_normal(fields: &Fields, seed: u32) -> Texture {
-    let flags = flags(seed);
-    normals("slab normals", 1024, |x, y| {
-        let (u, v) = (x as f32 / 1024.0, y as f32 / 1024.0);
-        let (flag, edge) = flags.at(u, v);
-        let tilt = (u - 0.5) * (of(flag, 6) - 0.5) + (v - 0.5) * (of(flag, 7) - 0.5);
-        2.6 * Masonry::relief(edge, FLAG_JOINT) + 1.5 * fields.clouds.texel(x, y) + 0.7 * fields.grain.texel(x, y) + 3.0 * tilt
-    })
+    slab_normals("slab normals", fields, &flags(seed), FLAG_JOINT, [2.6, 1.5, 0.7, 3.0])
 }
 
 /// Four windows side by side and one above the other: their frames, and what is seen of the rooms through the glass.

@@ -177,9 +177,12 @@ pub fn door(out: &mut Meshes, house: &House, front: &Front, opening: &Opening, p
     let wall = front.z;
     let stone = out.of(plan.palette.limestone);
     for x in [x0 - 0.28, x1] {
-        stone.block([x, x + 0.28], [BELOW, y1], [wall, wall + 0.10], TILE);
+        stone.cuboid(Vec3::new(x, BELOW, wall), Vec3::new(x + 0.28, y1, wall + 0.10), "-x+x+z", TILE);
     }
     stone.block([x0 - 0.28, x1 + 0.28], [y1, y1 + 0.26], [wall, wall + 0.11], TILE);
+    if !plan.detail.shows(0.06) {
+        return;
+    }
     stone.block([x0 - 0.38, x1 + 0.38], [y1 + 0.26, y1 + 0.36], [wall, wall + 0.30], TILE);
 }
 
