@@ -6,8 +6,8 @@ use bytemuck::Zeroable;
 use glam::{DVec3, Mat3, Vec3};
 use manylight::cache::Cache;
 use manylight::config::{
-    Before, CacheOcclusion, Config, DoubleProjectionConfig, GatherMethod, Importance, LightConfig, Numbers, OccluderSides, Occluders, ProxyBound,
-    Receiver, VplSampler,
+    Before, CacheOcclusion, Config, DoubleProjectionConfig, GatherMethod, Importance, LightConfig, Numbers, OccluderSides, Occluders,
+    ProxyBound, Receiver, VplSampler,
 };
 use manylight::graph::{Engine, Execution, Graph, Library};
 use manylight::renderer::Renderer;
@@ -114,10 +114,41 @@ fn pixels_have_the_light_of_all_vpls_where_nothing_hides_it() {
     finish(renderer.gpu());
 }
 
-/// Shares of a proxy's light that reach a cache at the origin, which faces up, past disks of caches: the proxy is 4 m above it, and a
-/// sphere of a metre. All is turned about the vertical by each angle.
-fn seen(disks: &[(Vec3, Vec3, f32)], angles: &[f32], choice: &DoubleProjectionConfig) -> Vec<f32> {
+/// Share of a proxy's light that reaches the first cache past the others: the proxy is 4 m above it, and a sphere of a metre.
+fn seen_of(caches: &[PlacedLightCache], choice: &DoubleProjectionConfig) -> f32 {
     let mut engine = Engine::new(gpu(), Library::new().unwrap());
+    let mut proxies = vec![ProxyLight { way: [0.0; 3], extent: 0.0, irradiance: [0.0; 3] }; caches.len()];
+    proxies[0] = ProxyLight { way: [0.0, 4.0, 0.0], extent: 1.0, irradiance: [1.0; 3] };
+    let mut g = Graph::new();
+    let count = caches.len() as u32;
+    let (caches, proxies) = (g.upload("test/caches", caches), g.upload("test/proxies", &proxies));
+    let tiles = g.buffer::<CacheTile>("test/tiles", count.div_ceil(TILE));
+    g.compute("gather/cache-tiles").reads("caches", caches).writes("tiles", tiles).params(&CountParams { count }).dispatch_groups([
+        count.div_ceil(TILE),
+        1,
+        1,
+    ]);
+    let (seen, within) = (g.buffer::<f32>("test/seen", count), g.count("test/within"));
+    g.compute("gather/cache-occlusion")
+        .reads("caches", caches)
+        .reads("tiles", tiles)
+        .reads("proxies", proxies)
+        .writes("seen", seen)
+        .updates("within", within)
+        .constant("BEFORE_SPHERE", choice.before == Before::Sphere)
+        .constant("FRONTS", choice.sides == OccluderSides::Front)
+        .constant("SILHOUETTES", choice.occluders == Occluders::Silhouettes)
+        .params(&OcclusionParams { count, least_radius: 0.0, deviations: 1.0 })
+        .dispatch_groups([count.div_ceil(4), 1, 1]);
+    let read = g.read_back(seen);
+    let outcome = engine.execute(&g, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
+    let share = f32::from_bits(words(outcome.bytes(read)).next().unwrap());
+    finish(&engine.gpu);
+    share
+}
+
+/// The same of a cache at the origin, which faces up, past disks of caches. All is turned about the vertical by each angle.
+fn seen(disks: &[(Vec3, Vec3, f32)], angles: &[f32], choice: &DoubleProjectionConfig) -> Vec<f32> {
     let of_angle = |angle: &f32| {
         let turn = Mat3::from_rotation_y(*angle);
         let cache = |position: Vec3, normal: Vec3, area: f32| PlacedLightCache {
@@ -132,36 +163,9 @@ fn seen(disks: &[(Vec3, Vec3, f32)], angles: &[f32], choice: &DoubleProjectionCo
         let caches: Vec<_> = std::iter::once(cache(Vec3::ZERO, Vec3::Y, 1.0))
             .chain(disks.iter().map(|(at, normal, area)| cache(*at, *normal, *area)))
             .collect();
-        let mut proxies = vec![ProxyLight { way: [0.0; 3], extent: 0.0, irradiance: [0.0; 3] }; caches.len()];
-        proxies[0] = ProxyLight { way: [0.0, 4.0, 0.0], extent: 1.0, irradiance: [1.0; 3] };
-        let mut g = Graph::new();
-        let count = caches.len() as u32;
-        let (caches, proxies) = (g.upload("test/caches", &caches), g.upload("test/proxies", &proxies));
-        let tiles = g.buffer::<CacheTile>("test/tiles", count.div_ceil(TILE));
-        g.compute("gather/cache-tiles").reads("caches", caches).writes("tiles", tiles).params(&CountParams { count }).dispatch_groups([
-            count.div_ceil(TILE),
-            1,
-            1,
-        ]);
-        let (seen, within) = (g.buffer::<f32>("test/seen", count), g.count("test/within"));
-        g.compute("gather/cache-occlusion")
-            .reads("caches", caches)
-            .reads("tiles", tiles)
-            .reads("proxies", proxies)
-            .writes("seen", seen)
-            .updates("within", within)
-            .constant("BEFORE_SPHERE", choice.before == Before::Sphere)
-            .constant("FRONTS", choice.sides == OccluderSides::Front)
-            .constant("SILHOUETTES", choice.occluders == Occluders::Silhouettes)
-            .params(&OcclusionParams { count, least_radius: 0.0, deviations: 1.0 })
-            .dispatch_groups([count.div_ceil(4), 1, 1]);
-        let read = g.read_back(seen);
-        let outcome = engine.execute(&g, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
-        f32::from_bits(words(outcome.bytes(read)).next().unwrap())
+        seen_of(&caches, choice)
     };
-    let all = angles.iter().map(of_angle).collect();
-    finish(&engine.gpu);
-    all
+    angles.iter().map(of_angle).collect()
 }
 
 /// Tiles of a side that cover a rectangle of x and z at a height, facing down or up.
@@ -216,6 +220,33 @@ fn sides_and_the_sphere_decide_what_hides_a_light() {
     ] {
         let seen = seen(&disks, &[0.0], &choice);
         assert!((seen[0] - expected).abs() < 0.2, "{what}: {seen:?} instead of {expected}");
+    }
+}
+
+#[test]
+fn what_is_spread_over_more_than_its_area_hides_a_part_of_a_light() {
+    // A disk of two square metres at a metre's height, before a light that it hides: at one place, and spread over 400 m^2.
+    let disk = |silhouette: f32, opacity: f32| {
+        let [area, height] = [2.0f32, 1.0];
+        let cache = |position: Vec3, normal: Vec3, area: f32, silhouette: f32, opacity: f32| PlacedLightCache {
+            position: position.into(),
+            area,
+            normal: normal.into(),
+            exponent: 0.0,
+            silhouette,
+            opacity,
+            one_of_two: 0,
+        };
+        [cache(Vec3::ZERO, Vec3::Y, 1.0, 1.0, 1.0), cache(Vec3::Y * height, Vec3::NEG_Y, area, silhouette, opacity)]
+    };
+    for (what, caches, occluders, expected) in [
+        ("a solid disk", disk(400.0, 1.0), Occluders::Silhouettes, 0.0),
+        ("a disk of half its silhouette", disk(400.0, 0.5), Occluders::Silhouettes, 0.5),
+        ("leaves in a large crown", disk(400.0, 0.005), Occluders::Silhouettes, 0.995),
+        ("the same as an area", disk(400.0, 0.005), Occluders::Areas, 0.0),
+    ] {
+        let seen = seen_of(&caches, &DoubleProjectionConfig { occluders, ..Default::default() });
+        assert!((seen - expected).abs() < 1e-3, "{what}: {seen} instead of {expected}");
     }
 }
 

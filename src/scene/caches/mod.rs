@@ -159,8 +159,9 @@ fn of_model(model: Model, spacing: Spacing) -> ModelCaches {
     let samples = samples::of(&model, spacing);
     let places = place::places(&samples, spacing);
     let tree: Tree = KdTree3::build_by_ordered_float((0..).zip(&places).map(|(i, place)| (place.position.to_array(), i)).collect());
-    let surfaces = surfaces(&samples, &places, &tree, spacing);
-    let caches = places.iter().zip(&surfaces).map(|(place, surface)| fixed(&model, &samples[place.sample], place.normal, surface)).collect();
+    let surfaces = surfaces(&model, &samples, &places, &tree, spacing);
+    let caches =
+        places.iter().zip(&surfaces).map(|(place, surface)| fixed(&model, &samples[place.sample], place.normal, surface)).collect();
     let (first_vertex, neighbours) = neighbours(&model.positions(), &tree);
     ModelCaches { caches, first_vertex, neighbours, instances: model.instances }
 }
@@ -186,15 +187,17 @@ struct Surface {
 }
 
 impl Surface {
-    /// Adds a sample, at a place along two axes.
-    fn add(&mut self, sample: &Sample, cosine: f32, at: [f32; 2]) {
+    /// Adds a sample, at a place along two axes, and with edges along these.
+    fn add(&mut self, sample: &Sample, cosine: f32, at: [f32; 2], edges: [[f32; 2]; 2]) {
         let [area, seen, u, v] = [sample.area, sample.area * cosine, at[0], at[1]].map(f64::from);
-        // A sample's own moment is that of a square.
-        let own = area / 12.0;
+        let [[u0, v0], [u1, v1]] = edges.map(|edge| edge.map(f64::from));
+        // Moments of a triangle about its middle.
+        let own = |a: f64, b: f64, c: f64, d: f64| (a * b + c * d - 0.5 * (a * d + c * b)) / 18.0;
         self.area += area;
         self.seen += seen;
         self.first = [self.first[0] + seen * u, self.first[1] + seen * v];
-        self.second = [self.second[0] + seen * (u * u + own), self.second[1] + seen * (v * v + own), self.second[2] + seen * u * v];
+        let second = [u * u + own(u0, u0, u1, u1), v * v + own(v0, v0, v1, v1), u * v + own(u0, v0, u1, v1)];
+        self.second = std::array::from_fn(|k| self.second[k] + seen * second[k]);
     }
 
     /// Area of a rectangle with the second moments of what is seen, m^2: it is that of a flat surface without gaps or overlaps.
@@ -210,7 +213,7 @@ impl Surface {
 }
 
 /// Surface that each place stands for: a discrete Voronoi diagram, in which a difference of normals counts as a distance.
-fn surfaces(samples: &[Sample], places: &[place::Place], tree: &Tree, spacing: Spacing) -> Vec<Surface> {
+fn surfaces(model: &Model, samples: &[Sample], places: &[place::Place], tree: &Tree, spacing: Spacing) -> Vec<Surface> {
     let turned = 0.25 * spacing.distance * spacing.distance;
     let owner = |sample: &Sample| {
         let distance =
@@ -223,8 +226,11 @@ fn surfaces(samples: &[Sample], places: &[place::Place], tree: &Tree, spacing: S
         if let Some(owner) = owner {
             let place = &places[*owner as usize];
             let (u, v) = place.normal.any_orthonormal_pair();
-            let way = sample.position - place.position;
-            surfaces[*owner as usize].add(sample, place.normal.dot(sample.normal).max(0.0), [way.dot(u), way.dot(v)]);
+            let along = |way: Vec3| [way.dot(u), way.dot(v)];
+            let [a, b, c] = model.triangles[sample.triangle as usize].positions;
+            let edges = sample.edges.map(|edge| along(edge[0] * (b - a) + edge[1] * (c - a)));
+            let cosine = place.normal.dot(sample.normal).max(0.0);
+            surfaces[*owner as usize].add(sample, cosine, along(sample.position - place.position), edges);
         }
     }
     surfaces

@@ -16,6 +16,8 @@ pub(super) struct Sample {
     pub triangle: u32,
     /// Weights of the triangle's second and third corner.
     pub weights: [f32; 2],
+    /// Two edges from one of the part's corners, by the same weights.
+    pub edges: [[f32; 2]; 2],
 }
 
 /// Longest edge of a part, metres.
@@ -61,7 +63,9 @@ fn parts(number: u32, triangle: &Triangle, longest: f32) -> Vec<Sample> {
             + weights[0] * n1.normalize_or_zero()
             + weights[1] * n2.normalize_or_zero();
         let normal = normal.try_normalize().unwrap_or_else(|| facing.normalize_or(Vec3::Y));
-        let sample = Sample { position: at(weights), normal, area, triangle: number, weights };
+        let [from, edges @ ..] = corners;
+        let edges = edges.map(|to| [to[0] - from[0], to[1] - from[1]]);
+        let sample = Sample { position: at(weights), normal, area, triangle: number, weights, edges };
         samples.push(sample);
         if triangle.double_sided {
             samples.push(Sample { normal: -normal, ..sample });

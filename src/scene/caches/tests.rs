@@ -62,6 +62,55 @@ fn areas_of_all_caches_are_the_surface_and_two_sides_count_twice() {
     }
 }
 
+/// Silhouette of a cache, m^2.
+fn silhouette(scene: &Scene, cache: &LightCache) -> f64 {
+    area(scene, cache) / f64::from(cache.share) * f64::from(cache.silhouette)
+}
+
+/// Squares of a side that face up, with their corners at these places.
+fn squares(side: f32, corners: impl IntoIterator<Item = Vec3>) -> Scene {
+    let places: Vec<Affine3A> = corners.into_iter().map(Affine3A::from_translation).collect();
+    // A mesh of its own for each, since instances would have caches of their own.
+    let each: Vec<_> = places.into_iter().map(|place| (square(side, 0.0, true), false, vec![place])).collect();
+    scene(&each)
+}
+
+#[test]
+fn the_silhouettes_of_a_wall_are_its_surface_without_gaps() {
+    for (name, scene) in
+        [("square", scene(&[(square(7.0, 0.0, true), false, vec![Affine3A::IDENTITY])])), ("Cornell box", builtin::cornell())]
+    {
+        let made = made(&scene, 0.5);
+        let caches: Vec<&LightCache> = made.models.iter().flat_map(|model| &model.caches).collect();
+        let all: f64 = caches.iter().map(|cache| area(&scene, cache)).sum();
+        let solid: f64 = caches.iter().map(|cache| silhouette(&scene, cache) * f64::from(cache.opacity)).sum();
+        let spread: f64 = caches.iter().map(|cache| silhouette(&scene, cache)).sum();
+        println!("{name}: {all} m^2, silhouettes of {spread}, of which {solid} are covered");
+        assert!(solid / all > 0.97 && solid / all <= 1.0 + 1e-6, "{name}: {solid} of {all} m^2 are covered");
+        assert!(spread / all < 1.1, "{name}: {all} m^2 are spread over {spread}");
+    }
+}
+
+#[test]
+fn surfaces_behind_each_other_have_one_silhouette_and_ones_that_stand_apart_are_not_solid() {
+    // Four leaves of .1 m: at one place, one over the other, and a metre apart.
+    let leaf = 0.01;
+    for (name, corners, expected, opacity) in [
+        ("one leaf", vec![Vec3::ZERO], leaf, 1.0),
+        ("leaves over each other", (0..4).map(|i| Vec3::new(0.0, 0.05 * i as f32, 0.0)).collect(), leaf, 1.0),
+        // Corners of a square of 1 m: their moments are 3 times those of its surface, and a leaf's own.
+        ("leaves apart", (0..4).map(|i| Vec3::new((i % 2) as f32, 0.0, (i / 2) as f32)).collect(), 3.0 + leaf, 4.0 * leaf / (3.0 + leaf)),
+    ] {
+        let scene = squares(0.1, corners);
+        let made = LightCaches::make(&scene, models::models(&scene), Spacing { distance: 16.0, angle: 0.5 }).unwrap();
+        let caches: Vec<&LightCache> = made.models.iter().flat_map(|model| &model.caches).collect();
+        assert_eq!(caches.len(), 1, "{name}");
+        let found = silhouette(&scene, caches[0]);
+        assert!((found / expected - 1.0).abs() < 0.02, "{name}: a silhouette of {found} m^2 instead of {expected}");
+        assert!((f64::from(caches[0].opacity) / opacity - 1.0).abs() < 0.02, "{name}: {} opaque instead of {opacity}", caches[0].opacity);
+    }
+}
+
 #[test]
 fn no_surface_is_farther_from_a_cache_of_its_normal_than_the_spacing() {
     for (scene, distance) in [(builtin::cornell(), 0.5), (builtin::cornell(), 1.7), (ball(24), 0.7), (ball(24), 3.0)] {

@@ -14,7 +14,8 @@ use super::super::vpls::Vpls;
 use super::Indirect;
 use super::caches::FrameCaches;
 use crate::config::{
-    Before, CacheOcclusion, Dielectric, LightCachesConfig, NeighbourWeights, OccluderSides, Occluders, ProxyBound, ProxyRadius, ProxyWeights, Receiver,
+    Before, CacheOcclusion, Dielectric, LightCachesConfig, NeighbourWeights, OccluderSides, Occluders, ProxyBound, ProxyRadius,
+    ProxyWeights, Receiver,
 };
 use crate::gpu::Format;
 use crate::graph::{Buffer, Graph};
