@@ -6,7 +6,7 @@ use bytemuck::Zeroable;
 use glam::{DVec3, Mat3, Vec3};
 use manylight::cache::Cache;
 use manylight::config::{
-    Before, CacheOcclusion, Config, DoubleProjectionConfig, GatherMethod, Importance, LightConfig, Numbers, OccluderSides, Occluders,
+    Before, CacheOcclusion, Config, DoubleProjectionConfig, GatherMethod, Importance, LightConfig, NeighbourWeights, Numbers, OccluderSides, Occluders,
     ProxyBound, Receiver, VplSampler,
 };
 use manylight::graph::{Engine, Execution, Graph, Library};
@@ -43,14 +43,16 @@ const PASSES: [&str; 3] = ["gather/cache-places", "gather/cache-proxies", "gathe
 #[test]
 fn every_cache_has_the_irradiance_of_all_area_lights() {
     let (mut renderer, mut config) = lit_room();
-    for (sampler, importance, count) in [
-        (VplSampler::Regular, Importance::None, 1),
-        (VplSampler::Regular, Importance::None, 1000),
-        (VplSampler::Hammersley, Importance::PassedFlux, 777),
-        (VplSampler::InverseTransform, Importance::View, 1000),
-        (VplSampler::MetropolisHastings, Importance::View, 300),
-        (VplSampler::EveryTexel, Importance::None, 1000),
+    for (sampler, importance, count, weights) in [
+        (VplSampler::Regular, Importance::None, 1, ProxyWeights::FormFactor),
+        (VplSampler::Regular, Importance::None, 1000, ProxyWeights::FormFactor),
+        (VplSampler::Hammersley, Importance::PassedFlux, 777, ProxyWeights::FormFactor),
+        (VplSampler::InverseTransform, Importance::View, 1000, ProxyWeights::FormFactor),
+        (VplSampler::InverseTransform, Importance::View, 1000, ProxyWeights::Flux),
+        (VplSampler::MetropolisHastings, Importance::View, 300, ProxyWeights::FormFactor),
+        (VplSampler::EveryTexel, Importance::None, 1000, ProxyWeights::FormFactor),
     ] {
+        config.gather.light_caches.proxy_weights = weights;
         config.vpls.sampler = sampler;
         config.vpls.importance = importance;
         config.vpls.count = count;
@@ -68,23 +70,24 @@ fn every_cache_has_the_irradiance_of_all_area_lights() {
         for (cache, proxy) in caches.iter().zip(&proxies) {
             let at = Vec3::from(cache.position).as_dvec3();
             let normal = Vec3::from(cache.normal).as_dvec3();
-            let (mut irradiance, mut weights, mut way) = (DVec3::ZERO, 0.0, DVec3::ZERO);
+            let (mut irradiance, mut sum, mut way) = (DVec3::ZERO, 0.0, DVec3::ZERO);
             for i in (0..places.len()).filter(|i| areas[*i] > 0.0) {
                 let d = Vec3::from(places[i].position).as_dvec3() - at;
                 let facing = pack::octahedral_snorm16_inverse(places[i].normal).as_dvec3();
                 let cosines = d.dot(normal).max(0.0) * (-d.dot(facing)).max(0.0) / d.length_squared();
                 let form = cosines / (f64::from(disks[i][0]) + PI * d.length_squared());
                 irradiance += PI * form * Vec3::from(intensities[i]).as_dvec3();
-                let weight = f64::from(disks[i][1]) * form;
-                weights += weight;
+                let luminance = Vec3::from(intensities[i]).dot(Vec3::new(0.2126, 0.7152, 0.0722));
+                let weight = f64::from(if weights == ProxyWeights::Flux { luminance } else { disks[i][1] }) * form;
+                sum += weight;
                 way += weight * d;
             }
             let found = Vec3::from(proxy.irradiance).as_dvec3();
             assert!((found - irradiance).length() <= 1e-4 * irradiance.length(), "{sampler:?}, {count}: {found} instead of {irradiance}");
-            if weights > 0.0 {
+            if sum > 0.0 {
                 lit += 1;
                 let found = Vec3::from(proxy.way).as_dvec3();
-                assert!((found - way / weights).length() < 1e-3, "{sampler:?}, {count}: the proxy is at {found}, not {}", way / weights);
+                assert!((found - way / sum).length() < 1e-3, "{sampler:?}, {count}: the proxy is at {found}, not {}", way / sum);
                 assert!(found.dot(normal) > 0.0, "{sampler:?}, {count}: a proxy is behind its cache");
                 // A variance is a difference of squares.
                 assert!(count > 1 || proxy.extent < 1e-3 * found.length() as f32, "a single light has the extent {}", proxy.extent);
@@ -116,9 +119,16 @@ fn pixels_have_the_light_of_all_vpls_where_nothing_hides_it() {
 
 /// Share of a proxy's light that reaches the first cache past the others: the proxy is 4 m above it, and a sphere of a metre.
 fn seen_of(caches: &[PlacedLightCache], choice: &DoubleProjectionConfig) -> f32 {
+    seen_of_lights(caches, &[Vec3::new(0.0, 4.0, 0.0)], choice)[0]
+}
+
+/// The same of a cache with one light or two, spheres of a metre.
+fn seen_of_lights(caches: &[PlacedLightCache], ways: &[Vec3], choice: &DoubleProjectionConfig) -> Vec<f32> {
     let mut engine = Engine::new(gpu(), Library::new().unwrap());
-    let mut proxies = vec![ProxyLight { way: [0.0; 3], extent: 0.0, irradiance: [0.0; 3] }; caches.len()];
-    proxies[0] = ProxyLight { way: [0.0, 4.0, 0.0], extent: 1.0, irradiance: [1.0; 3] };
+    let mut proxies = vec![ProxyLight { way: [0.0; 3], extent: 0.0, irradiance: [0.0; 3] }; caches.len() * ways.len()];
+    for (proxy, way) in proxies.iter_mut().zip(ways) {
+        *proxy = ProxyLight { way: (*way).into(), extent: 1.0, irradiance: [1.0; 3] };
+    }
     let mut g = Graph::new();
     let count = caches.len() as u32;
     let (caches, proxies) = (g.upload("test/caches", caches), g.upload("test/proxies", &proxies));
@@ -128,8 +138,9 @@ fn seen_of(caches: &[PlacedLightCache], choice: &DoubleProjectionConfig) -> f32 
         1,
         1,
     ]);
-    let (seen, within) = (g.buffer::<f32>("test/seen", count), g.count("test/within"));
+    let (seen, within) = (g.buffer::<f32>("test/seen", count * ways.len() as u32), g.count("test/within"));
     g.compute("gather/cache-occlusion")
+        .part("proxies", ["gather/proxies-one", "gather/proxies-two"][ways.len() - 1])
         .reads("caches", caches)
         .reads("tiles", tiles)
         .reads("proxies", proxies)
@@ -138,13 +149,17 @@ fn seen_of(caches: &[PlacedLightCache], choice: &DoubleProjectionConfig) -> f32 
         .constant("BEFORE_SPHERE", choice.before == Before::Sphere)
         .constant("FRONTS", choice.sides == OccluderSides::Front)
         .constant("SILHOUETTES", choice.occluders == Occluders::Silhouettes)
-        .params(&OcclusionParams { count, least_radius: 0.0, deviations: 1.0 })
+        .params(&OcclusionParams {
+            count,
+            least_radius: 0.0,
+            deviations: if choice.radius == ProxyRadius::TwoSigma { 2.0 } else { 1.0 },
+        })
         .dispatch_groups([count.div_ceil(4), 1, 1]);
     let read = g.read_back(seen);
     let outcome = engine.execute(&g, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
-    let share = f32::from_bits(words(outcome.bytes(read)).next().unwrap());
+    let shares = words(outcome.bytes(read)).take(ways.len()).map(f32::from_bits).collect();
     finish(&engine.gpu);
-    share
+    shares
 }
 
 /// The same of a cache at the origin, which faces up, past disks of caches. All is turned about the vertical by each angle.
@@ -188,11 +203,12 @@ fn double_projection_hides_what_is_between() {
         ("half a roof that faces up", tiles([0.0, 4.0], [-4.0, 4.0], 1.0, 0.25, Vec3::Y), 0.5, 0.1),
         ("a roof behind the proxy", tiles([-4.0, 4.0], [-4.0, 4.0], 5.0, 0.25, Vec3::NEG_Y), 1.0, 1e-6),
         ("a floor under the cache", tiles([-4.0, 4.0], [-4.0, 4.0], -1.0, 0.25, Vec3::Y), 1.0, 1e-6),
-        // Most tiles of 64 caches lie behind or beyond the light, and half a roof is in between.
+        // Most tiles of 64 caches lie behind or beyond the light, and half a roof is in between, after more than the 4,096 caches whose
+        // tiles a workgroup lists at once.
         (
             "half a roof among many surfaces",
             [
-                tiles([-40.0, 40.0], [-40.0, 40.0], -1.0, 2.0, Vec3::Y),
+                tiles([-40.0, 40.0], [-40.0, 40.0], -1.0, 1.0, Vec3::Y),
                 tiles([0.0, 4.0], [-4.0, 4.0], 1.0, 0.25, Vec3::NEG_Y),
                 tiles([-40.0, 40.0], [-40.0, 40.0], 30.0, 2.0, Vec3::NEG_Y),
             ]
@@ -217,33 +233,91 @@ fn sides_and_the_sphere_decide_what_hides_a_light() {
         ("a roof in the sphere, before its middle", roof(3.5, Vec3::NEG_Y), of(Before::Center, OccluderSides::Both), 0.0),
         ("a roof in the sphere", roof(3.5, Vec3::NEG_Y), of(Before::Sphere, OccluderSides::Both), 1.0),
         ("a roof before the sphere", roof(1.0, Vec3::NEG_Y), of(Before::Sphere, OccluderSides::Both), 0.0),
+        ("a roof before a sphere", roof(2.5, Vec3::NEG_Y), of(Before::Sphere, OccluderSides::Both), 0.0),
+        (
+            "a roof in a sphere of twice its radius",
+            roof(2.5, Vec3::NEG_Y),
+            DoubleProjectionConfig { radius: ProxyRadius::TwoSigma, ..of(Before::Sphere, OccluderSides::Both) },
+            1.0,
+        ),
     ] {
         let seen = seen(&disks, &[0.0], &choice);
         assert!((seen[0] - expected).abs() < 0.2, "{what}: {seen:?} instead of {expected}");
     }
 }
 
+/// A cache that is a disk.
+fn disk(position: Vec3, normal: Vec3, area: f32) -> PlacedLightCache {
+    PlacedLightCache {
+        position: position.into(),
+        area,
+        normal: normal.into(),
+        exponent: 0.0,
+        silhouette: area,
+        opacity: 1.0,
+        one_of_two: 0,
+    }
+}
+
+#[test]
+fn a_side_of_a_sheet_hides_nothing_behind_it() {
+    // A sheet has a cache on each side. Of the upper one the cache sees the back, and the lower one hides the light.
+    let both = DoubleProjectionConfig { sides: OccluderSides::Both, ..Default::default() };
+    let (target, upper) = (disk(Vec3::ZERO, Vec3::Y, 1.0), disk(Vec3::Y, Vec3::Y, 50.0));
+    assert_eq!(seen_of(&[target, upper], &both), 0.0);
+    assert_eq!(seen_of(&[target, PlacedLightCache { one_of_two: 1, ..upper }], &both), 1.0);
+}
+
+#[test]
+fn both_lights_of_a_cache_have_shadows_of_their_own() {
+    let ways = [Vec3::new(0.0, 4.0, 0.0), Vec3::new(3.0, 2.0, 0.0)];
+    let target = disk(Vec3::ZERO, Vec3::Y, 1.0);
+    for (position, expected) in [(Vec3::new(0.0, 2.0, 0.0), [0.0, 1.0]), (Vec3::new(1.5, 1.0, 0.0), [1.0, 0.0]), (Vec3::NEG_Y, [1.0, 1.0])] {
+        let seen = seen_of_lights(&[target, disk(position, -position.normalize(), 4.0)], &ways, &Default::default());
+        assert!(seen.iter().zip(expected).all(|(seen, expected)| (seen - expected).abs() < 0.02), "a disk at {position}: {seen:?}");
+    }
+}
+
+#[test]
+fn caches_are_counted_that_are_dark_or_in_the_sphere_of_their_light() {
+    let (mut renderer, mut config) = lit_room();
+    config.gather.light_caches.occlusion = CacheOcclusion::DoubleProjection;
+    let rendered = dump(&mut renderer, &config, 0, &["gather/cache-proxies"]);
+    let proxies: Vec<ProxyLight> = pod(&rendered, "gather/proxies");
+    let is_dark = |proxy: &&ProxyLight| proxy.irradiance == [0.0; 3];
+    let is_within = |proxy: &&ProxyLight| Vec3::from(proxy.way).length() < proxy.extent.max(0.25 * config.gather.light_caches.distance);
+    let dark = proxies.iter().filter(is_dark).count();
+    let within = proxies.iter().filter(|proxy| !is_dark(proxy) && is_within(proxy)).count();
+    println!("{dark} of {} caches are dark, {within} in their light", proxies.len());
+    assert!(dark > 0 && within > 0);
+    assert_eq!((count(&rendered, "gather/dark-caches"), count(&rendered, "gather/caches-within")), (dark as u64, within as u64));
+    assert_eq!(count(&rendered, "gather/alone"), 0, "every vertex of a room has caches around it");
+    finish(renderer.gpu());
+}
+
+#[test]
+fn the_viewer_shows_every_cache_around_and_lights_over_the_surfaces() {
+    let (mut renderer, mut config) = lit_room();
+    config.gather.light_caches.viewer = true;
+    let rendered = dump(&mut renderer, &config, 0, &["gather/cache-viewer"]);
+    let colors = |name: &str| words(dumped(&rendered, name)).collect::<std::collections::BTreeSet<u32>>().len();
+    let (disks, lights) = (colors("gather/cache-disks"), colors("gather/cache-lights"));
+    println!("{disks} and {lights} colours");
+    assert!(disks > 50 && lights > 50, "disks have {disks} colours, and lights {lights}");
+    finish(renderer.gpu());
+}
+
 #[test]
 fn what_is_spread_over_more_than_its_area_hides_a_part_of_a_light() {
     // A disk of two square metres at a metre's height, before a light that it hides: at one place, and spread over 400 m^2.
-    let disk = |silhouette: f32, opacity: f32| {
-        let [area, height] = [2.0f32, 1.0];
-        let cache = |position: Vec3, normal: Vec3, area: f32, silhouette: f32, opacity: f32| PlacedLightCache {
-            position: position.into(),
-            area,
-            normal: normal.into(),
-            exponent: 0.0,
-            silhouette,
-            opacity,
-            one_of_two: 0,
-        };
-        [cache(Vec3::ZERO, Vec3::Y, 1.0, 1.0, 1.0), cache(Vec3::Y * height, Vec3::NEG_Y, area, silhouette, opacity)]
+    let spread = |silhouette: f32, opacity: f32| {
+        [disk(Vec3::ZERO, Vec3::Y, 1.0), PlacedLightCache { silhouette, opacity, ..disk(Vec3::Y, Vec3::NEG_Y, 2.0) }]
     };
     for (what, caches, occluders, expected) in [
-        ("a solid disk", disk(400.0, 1.0), Occluders::Silhouettes, 0.0),
-        ("a disk of half its silhouette", disk(400.0, 0.5), Occluders::Silhouettes, 0.5),
-        ("leaves in a large crown", disk(400.0, 0.005), Occluders::Silhouettes, 0.995),
-        ("the same as an area", disk(400.0, 0.005), Occluders::Areas, 0.0),
+        ("a solid disk", spread(400.0, 1.0), Occluders::Silhouettes, 0.0),
+        ("a disk of half its silhouette", spread(400.0, 0.5), Occluders::Silhouettes, 0.5),
+        ("leaves in a large crown", spread(400.0, 0.005), Occluders::Silhouettes, 0.995),
+        ("the same as an area", spread(400.0, 0.005), Occluders::Areas, 0.0),
     ] {
         let seen = seen_of(&caches, &DoubleProjectionConfig { occluders, ..Default::default() });
         assert!((seen - expected).abs() < 1e-3, "{what}: {seen} instead of {expected}");
@@ -261,6 +335,11 @@ struct Lit {
 
 /// Irradiance of a vertex at the origin, which faces up, from caches around it.
 fn light_of_vertex(caches: &[Lit], bounded: bool) -> f64 {
+    light_by(caches, bounded, NeighbourWeights::Distance)
+}
+
+/// The same with a choice of weights: half a metre off a cache's tangent plane is the end of it.
+fn light_by(caches: &[Lit], bounded: bool, weights: NeighbourWeights) -> f64 {
     let mut engine = Engine::new(gpu(), Library::new().unwrap());
     let mut g = Graph::new();
     let up = pack::octahedral_snorm16(Vec3::Y);
@@ -293,8 +372,8 @@ fn light_of_vertex(caches: &[Lit], bounded: bool) -> f64 {
     }
     pass.constant("BOUNDED", bounded)
         .constant("SIDES", 1u32)
-        .constant("ON_PLANE", false)
-        .params(&VerticesParams { count: 1, off_plane: 1.0 })
+        .constant("ON_PLANE", weights == NeighbourWeights::TangentPlane)
+        .params(&VerticesParams { count: 1, off_plane: 0.5 })
         .dispatch_groups([1, 1, 1]);
     let read = g.read_back(lights);
     let outcome = engine.execute(&g, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
@@ -333,6 +412,21 @@ fn vertices_have_the_mean_of_equal_caches_and_dark_ones_take_their_share() {
     }
     let dark = Lit { way: Vec3::ZERO, ..at(Vec3::X, 0.0) };
     assert_eq!(light_of_vertex(&[dark, far], true), 0.0, "a vertex whose caches are all dark");
+}
+
+#[test]
+fn by_the_tangent_plane_caches_of_another_floor_have_no_weight() {
+    let at = |position: Vec3, irradiance: f32| Lit { position, way: Vec3::new(0.0, 1000.0, 0.0) - position, extent: 0.0, irradiance };
+    // One of the same floor, one of a floor above, a step halfway between, and one far off.
+    let (same, above, step, far) = (at(Vec3::X, 2.0), at(Vec3::Y, 10.0), at(Vec3::new(0.0, 0.25, 0.75), 4.0), at(Vec3::new(0.0, 0.0, 100.0), 1.0));
+    let by = |caches: &[Lit], weights| light_by(caches, true, weights);
+    let mean = by(&[same, above, far], NeighbourWeights::Distance);
+    assert!((mean / 6.0 - 1.0).abs() < 1e-2, "{mean} instead of the mean of both floors");
+    let own = by(&[same, above, far], NeighbourWeights::TangentPlane);
+    assert!((own / 2.0 - 1.0).abs() < 1e-3, "{own} instead of 2 of the own floor");
+    // The step counts half.
+    let stepped = by(&[same, step, far], NeighbourWeights::TangentPlane);
+    assert!((stepped / (8.0 / 3.0) - 1.0).abs() < 1e-2, "{stepped} instead of 8/3");
 }
 
 /// Irradiance at caches from VALs of an area, alone.

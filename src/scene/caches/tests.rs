@@ -263,3 +263,15 @@ fn a_spacing_that_is_too_small_is_refused_with_one_that_is_not() {
     let least: f32 = error.split("take ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
     assert!((0.001..0.1).contains(&least), "{error}");
 }
+
+#[test]
+fn the_preset_has_the_papers_number_of_caches() {
+    let text = crate::presets::find("lightskin").unwrap_or_else(|| panic!("there is a preset lightskin"));
+    let config = crate::config::parse(text, std::path::Path::new("lightskin.toml"), &[]).unwrap().config;
+    let caches = &config.gather.light_caches;
+    let spacing = Spacing { distance: caches.distance, angle: caches.angle_deg.to_radians() };
+    let scene = builtin::street(&builtin::Street { triangles: config.scene.triangles, seed: config.scene.seed });
+    let found = LightCaches::make(&scene, models::models(&scene), spacing).unwrap().count();
+    println!("{found} caches");
+    assert!((4950..=6050).contains(&found), "{found} caches instead of about 5,500");
+}
