@@ -6,8 +6,8 @@ use bytemuck::Zeroable;
 use glam::{DVec3, Mat3, Vec3};
 use manylight::cache::Cache;
 use manylight::config::{
-    Before, CacheOcclusion, Config, DoubleProjectionConfig, GatherMethod, Importance, LightConfig, NeighbourWeights, Numbers, OccluderSides, Occluders,
-    ProxyBound, Receiver, VplSampler,
+    Before, CacheOcclusion, Config, DoubleProjectionConfig, GatherMethod, Importance, LightConfig, NeighbourWeights, Numbers,
+    OccluderSides, Occluders, ProxyBound, ProxyRadius, ProxyWeights, Receiver, VplSampler,
 };
 use manylight::graph::{Engine, Execution, Graph, Library};
 use manylight::renderer::Renderer;
@@ -149,11 +149,7 @@ fn seen_of_lights(caches: &[PlacedLightCache], ways: &[Vec3], choice: &DoublePro
         .constant("BEFORE_SPHERE", choice.before == Before::Sphere)
         .constant("FRONTS", choice.sides == OccluderSides::Front)
         .constant("SILHOUETTES", choice.occluders == Occluders::Silhouettes)
-        .params(&OcclusionParams {
-            count,
-            least_radius: 0.0,
-            deviations: if choice.radius == ProxyRadius::TwoSigma { 2.0 } else { 1.0 },
-        })
+        .params(&OcclusionParams { count, least_radius: 0.0, deviations: if choice.radius == ProxyRadius::TwoSigma { 2.0 } else { 1.0 } })
         .dispatch_groups([count.div_ceil(4), 1, 1]);
     let read = g.read_back(seen);
     let outcome = engine.execute(&g, &Execution::default()).unwrap_or_else(|error| panic!("{error:#}"));
@@ -272,7 +268,8 @@ fn a_side_of_a_sheet_hides_nothing_behind_it() {
 fn both_lights_of_a_cache_have_shadows_of_their_own() {
     let ways = [Vec3::new(0.0, 4.0, 0.0), Vec3::new(3.0, 2.0, 0.0)];
     let target = disk(Vec3::ZERO, Vec3::Y, 1.0);
-    for (position, expected) in [(Vec3::new(0.0, 2.0, 0.0), [0.0, 1.0]), (Vec3::new(1.5, 1.0, 0.0), [1.0, 0.0]), (Vec3::NEG_Y, [1.0, 1.0])] {
+    for (position, expected) in [(Vec3::new(0.0, 2.0, 0.0), [0.0, 1.0]), (Vec3::new(1.5, 1.0, 0.0), [1.0, 0.0]), (Vec3::NEG_Y, [1.0, 1.0])]
+    {
         let seen = seen_of_lights(&[target, disk(position, -position.normalize(), 4.0)], &ways, &Default::default());
         assert!(seen.iter().zip(expected).all(|(seen, expected)| (seen - expected).abs() < 0.02), "a disk at {position}: {seen:?}");
     }
@@ -282,16 +279,22 @@ fn both_lights_of_a_cache_have_shadows_of_their_own() {
 fn caches_are_counted_that_are_dark_or_in_the_sphere_of_their_light() {
     let (mut renderer, mut config) = lit_room();
     config.gather.light_caches.occlusion = CacheOcclusion::DoubleProjection;
-    let rendered = dump(&mut renderer, &config, 0, &["gather/cache-proxies"]);
-    let proxies: Vec<ProxyLight> = pod(&rendered, "gather/proxies");
-    let is_dark = |proxy: &&ProxyLight| proxy.irradiance == [0.0; 3];
-    let is_within = |proxy: &&ProxyLight| Vec3::from(proxy.way).length() < proxy.extent.max(0.25 * config.gather.light_caches.distance);
-    let dark = proxies.iter().filter(is_dark).count();
-    let within = proxies.iter().filter(|proxy| !is_dark(proxy) && is_within(proxy)).count();
-    println!("{dark} of {} caches are dark, {within} in their light", proxies.len());
-    assert!(dark > 0 && within > 0);
-    assert_eq!((count(&rendered, "gather/dark-caches"), count(&rendered, "gather/caches-within")), (dark as u64, within as u64));
-    assert_eq!(count(&rendered, "gather/alone"), 0, "every vertex of a room has caches around it");
+    // Light on the floor and its walls, some of whose caches lie in it, and on the floor alone, which has none of its own.
+    for (light, some_dark, some_within) in
+        [(config.light[0].clone(), false, true), (spot(Vec3::new(2.0, 2.0, 2.5), Vec3::NEG_Y, [20.0; 3], 5.0, 20.0), true, false)]
+    {
+        config.light = vec![light];
+        let rendered = dump(&mut renderer, &config, 0, &["gather/cache-proxies"]);
+        let proxies: Vec<ProxyLight> = pod(&rendered, "gather/proxies");
+        let is_dark = |proxy: &&ProxyLight| proxy.irradiance == [0.0; 3];
+        let is_within = |proxy: &&ProxyLight| Vec3::from(proxy.way).length() < proxy.extent.max(0.25 * config.gather.light_caches.distance);
+        let dark = proxies.iter().filter(is_dark).count();
+        let within = proxies.iter().filter(|proxy| !is_dark(proxy) && is_within(proxy)).count();
+        println!("{dark} of {} caches are dark, {within} in their light", proxies.len());
+        assert!((dark > 0) == some_dark && (within > 0) == some_within, "{dark} caches are dark, {within} in their light");
+        assert_eq!((count(&rendered, "gather/dark-caches"), count(&rendered, "gather/caches-within")), (dark as u64, within as u64));
+        assert_eq!(count(&rendered, "gather/alone"), 0, "every vertex of a room has caches around it");
+    }
     finish(renderer.gpu());
 }
 
@@ -418,7 +421,8 @@ fn vertices_have_the_mean_of_equal_caches_and_dark_ones_take_their_share() {
 fn by_the_tangent_plane_caches_of_another_floor_have_no_weight() {
     let at = |position: Vec3, irradiance: f32| Lit { position, way: Vec3::new(0.0, 1000.0, 0.0) - position, extent: 0.0, irradiance };
     // One of the same floor, one of a floor above, a step halfway between, and one far off.
-    let (same, above, step, far) = (at(Vec3::X, 2.0), at(Vec3::Y, 10.0), at(Vec3::new(0.0, 0.25, 0.75), 4.0), at(Vec3::new(0.0, 0.0, 100.0), 1.0));
+    let (same, above, step, far) =
+        (at(Vec3::X, 2.0), at(Vec3::Y, 10.0), at(Vec3::new(0.0, 0.25, 0.75), 4.0), at(Vec3::new(0.0, 0.0, 100.0), 1.0));
     let by = |caches: &[Lit], weights| light_by(caches, true, weights);
     let mean = by(&[same, above, far], NeighbourWeights::Distance);
     assert!((mean / 6.0 - 1.0).abs() < 1e-2, "{mean} instead of the mean of both floors");
