@@ -55,16 +55,18 @@ pub fn of_all<P: Sync>(makers: &[fn(&P) -> Vec<Part>], plan: &P) -> Vec<Part> {
     makers.par_iter().flat_map(|make| make(plan)).collect()
 }
 
-/// The parts at the level of detail whose triangle count is nearest to `target`. Detail 1 has about `full` triangles, and their number
-/// grows about as this power of the detail.
-pub fn of_size(target: u32, full: f32, power: f32, parts: impl Fn(Detail) -> Vec<Part>) -> Vec<Part> {
+/// The parts at the level of detail whose triangle count is nearest to `target`. Detail 1 has about `full` triangles.
+pub fn of_size(target: u32, full: f32, parts: impl Fn(Detail) -> Vec<Part>) -> Vec<Part> {
     let target = target as f32;
-    // Levels by their logarithms, between which the number is, and its logarithm over the target's there, once known.
-    let (mut low, mut high) = ((-4.0f32, None), (3.0f32, None));
-    let mut log = (target / full).ln() / power;
+    let build = |log: f32| parts(Detail(log.exp()));
+
+    // The count grows nearly as the square of the detail at high levels, and in steps at low levels: a few Newton steps, then
+    // bisection.
+    let mut log = 0.5 * (target / full).ln();
+    let (mut low, mut high) = (-4.0f32, 3.0f32);
     let mut best: Option<(f32, Vec<Part>)> = None;
     for step in 0..18 {
-        let parts = parts(Detail(log.exp()));
+        let parts = build(log);
         let error = parts.iter().map(Part::triangles).sum::<usize>() as f32 / target - 1.0;
         if best.as_ref().is_none_or(|b| error.abs() < b.0.abs()) {
             best = Some((error, parts));
@@ -72,14 +74,13 @@ pub fn of_size(target: u32, full: f32, power: f32, parts: impl Fn(Detail) -> Vec
         if error.abs() < 0.01 {
             break;
         }
-        *(if error > 0.0 { &mut high } else { &mut low }) = (log, Some(error.ln_1p()));
-        // A few Newton steps; then a line between the two levels and, as the number grows in steps at low levels, their middle by turns.
-        let newton = log - error.ln_1p() / power;
-        log = match (low.1, high.1) {
-            _ if step < 4 && low.0 < newton && newton < high.0 => newton,
-            (Some(below), Some(above)) if step % 2 == 0 => low.0 + (high.0 - low.0) * below / (below - above),
-            _ => 0.5 * (low.0 + high.0),
-        };
+        if error > 0.0 {
+            high = log;
+        } else {
+            low = log;
+        }
+        let newton = log - 0.5 * error.ln_1p();
+        log = if step < 4 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
     }
     best.map_or_else(Vec::new, |b| b.1)
 }

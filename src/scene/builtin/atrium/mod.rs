@@ -181,5 +181,5 @@ pub fn atrium(knobs: &Atrium) -> Scene {
 
 fn parts_of_size(knobs: &Atrium, palette: Palette) -> Vec<Part> {
     let target = knobs.triangles.clamp(*Atrium::TRIANGLES.start(), *Atrium::TRIANGLES.end());
-    parts::of_size(target, 420_000.0, 2.0, |detail| parts(&Plan { detail, seed: knobs.seed, palette }))
+    parts::of_size(target, 420_000.0, |detail| parts(&Plan { detail, seed: knobs.seed, palette }))
 }

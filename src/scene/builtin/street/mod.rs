@@ -114,5 +114,5 @@ pub fn street(knobs: &Street) -> Scene {
 
 fn parts_of_size(knobs: &Street, palette: Palette) -> Vec<Part> {
     let target = knobs.triangles.clamp(*Street::TRIANGLES.start(), *Street::TRIANGLES.end());
-    parts::of_size(target, 510_000.0, 1.17, |detail| parts(&Plan { detail, seed: knobs.seed, palette }))
+    parts::of_size(target, 300_000.0, |detail| parts(&Plan { detail, seed: knobs.seed, palette }))
 }
