@@ -3,8 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
-// Importance of the chains' proposals alone (Barak et al. 2013, section 4.3). Proposals hang on no earlier step, so all are worked out at
-// once. An invocation has one step of AT_ONCE chains.
+// Importance of the chains' proposals alone (Barak et al. 2013, section 4.3). Proposals depend on no earlier step, so all are
+// worked out at once. An invocation has one step of AT_ONCE chains.
 #include "vpls/params.glsl"
 #include "part/importance=vpls/importance-none"
 #include "part/points=vpls/points-halton"
