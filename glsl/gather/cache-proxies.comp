@@ -28,7 +28,6 @@ layout(scalar) uniform ViewBlock { View it; } view;
 layout(scalar) readonly buffer Caches { LightCache at[]; } caches;
 layout(scalar) readonly buffer Places { VplPlace at[]; } places;
 layout(scalar) readonly buffer Intensities { vec3 at[]; } intensities;
-layout(scalar) readonly buffer Areas { float at[]; } areas;
 layout(scalar) writeonly buffer Proxies { ProxyLight at[]; } proxies;
 layout(scalar) buffer Dark { uint count; } dark; // caches without light
 
@@ -40,7 +39,7 @@ struct Sums {
     vec3 irradiance;
     float weight;
     vec3 way;
-    float lobe;
+    float lobe; // of a glossy proxy alone
     vec3 squares;
 };
 
@@ -64,11 +63,9 @@ Gathering gathering(uint number) {
     return Gathering(number, is_cache, cache, mirrored, NOTHING, NOTHING);
 }
 
-void add(inout Sums sums, vec3 light, float weight, float lobe, vec3 way) {
-    sums.irradiance += lobe * light;
-    weight *= lobe;
+void add(inout Sums sums, vec3 light, float weight, vec3 way) {
+    sums.irradiance += light;
     sums.weight += weight;
-    sums.lobe += weight * lobe;
     sums.way += weight * way;
     sums.squares += weight * way * way;
 }
@@ -83,10 +80,11 @@ void add(inout Gathering g, uint i, vec3 position, vec3 facing, vec3 intensity, 
     float form = to * from / (squared * (disk.x + PI * squared));
     vec3 light = (PI * form) * intensity;
     float weight = form * (BY_FLUX ? dot(intensity, vec3(0.2126, 0.7152, 0.0722)) : disk.y);
-    add(g.diffuse, light, weight, 1.0, way);
+    add(g.diffuse, light, weight, way);
     if (PROXIES == 2u) {
         float lobe = cosine_lobe(dot(g.mirrored, way) * inversesqrt(squared), g.cache.exponent);
-        add(g.glossy, light, weight, lobe, way);
+        add(g.glossy, lobe * light, lobe * weight, way);
+        g.glossy.lobe += lobe * weight * lobe;
     }
 }
 
@@ -148,11 +146,10 @@ struct Four {
 };
 
 void add(inout Four four, uint i) {
-    float beam = i < params.count ? areas.at[i] : 0.0;
-    if (!(beam > 0.0)) return;
+    vec2 disk = i < params.count ? disk_of(i) : vec2(0.0);
+    if (!(disk.y > 0.0)) return;
     VplPlace place = places.at[i];
     vec3 facing = octahedral_snorm16_inverse(place.normal), intensity = intensities.at[i];
-    vec2 disk = disk_of(i, beam);
     add(four.a, i, place.position, facing, intensity, disk);
     add(four.b, i, place.position, facing, intensity, disk);
     add(four.c, i, place.position, facing, intensity, disk);

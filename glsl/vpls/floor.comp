@@ -1,10 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-#extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_ballot : require
-// Floor of the view's importance, from 64 x AT_ONCE = 1,024 Halton texels of all maps: so much for each unit of power that about `share` of the VPLs are
-// drawn by power. Any floor over 0 is right. It says only how many VPLs go where no view sample needs them.
+// Floor of the view's importance, from 64 x AT_ONCE = 1,024 Halton texels of all maps: so much for each unit of power that about `share` of
+// the VPLs are drawn by power. Any floor over 0 is right. It says only how many VPLs go where no view sample needs them.
 #include "vpls/importance-view.glsl"
 #include "lib/halton.glsl"
 

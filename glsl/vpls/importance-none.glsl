@@ -1,5 +1,5 @@
 // Texels that are all as important. Each part for "importance" includes vpls/at-once.glsl and defines
-//     void importances(ivec3 at[AT_ONCE], uvec2 size, out float found[AT_ONCE]); // all invocations of a workgroup call it together
+//     void importances(ivec3 at[AT_ONCE], uvec2 size, out float found[AT_ONCE]);
 #include "vpls/at-once.glsl"
 
 void importances(ivec3 at[AT_ONCE], uvec2 size, out float found[AT_ONCE]) {

@@ -1,8 +1,6 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-#extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_ballot : require
 // Importance of the chains' proposals alone (Barak et al. 2013, section 4.3). Proposals depend on no earlier step, so all are
 // worked out at once. An invocation has one step of AT_ONCE chains.
 #include "vpls/params.glsl"
@@ -12,7 +10,7 @@
 
 layout(scalar) writeonly buffer Proposed { float at[]; } proposed; // step by step
 
-// Proposal of a chain, or of the last one beyond it: the whole workgroup takes part.
+// Proposal of a chain, or of the last one beyond it.
 ivec3 place(uint chain) { return place_of(point(min(chain, params.count - 1u), gl_GlobalInvocationID.y)); }
 
 void main() {

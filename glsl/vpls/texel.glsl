@@ -45,6 +45,6 @@ void put(uint index, ivec3 at, float texels) {
     places.at[index] = place;
     intensities.at[index] = intensity;
     areas.at[index] = area;
-    put_disk(index, vec2(disk, texels * disk));
+    put_disk(index, area > 0.0 ? vec2(disk, texels * disk) : vec2(0.0));
     if (area > 0.0) atomicAdd(lit.count, 1u);
 }

@@ -12,6 +12,7 @@ layout(local_size_x = 64) in;
 
 // Whether light counts where it arrives: samples are white then, and not as they reflect.
 layout(constant_id = 0) const bool WHITE = false;
+layout(constant_id = 1) const bool GLOSSY_RECEIVERS = false; // GGX at the view samples
 
 layout(scalar, push_constant) uniform Params {
     vec2 shift; // rotation of the point set modulo 1
@@ -21,20 +22,24 @@ layout(scalar, push_constant) uniform Params {
 uniform sampler2D albedo;
 uniform sampler2D metallic_roughness;
 layout(scalar) writeonly buffer ViewSamples { ViewSample at[]; } view_samples;
+layout(scalar) writeonly buffer ViewSampleLobes { ViewSampleLobe at[]; } view_lobes;
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
-    if (index >= params.count) return;
+    // Samples are read by twos.
+    if (index >= (params.count + 1u) / 2u * 2u) return;
     vec2 u = fract(vec2(radical_inverse(index + 1u, 2u), radical_inverse(index + 1u, 3u)) + params.shift);
     ivec2 size = ivec2(view.it.width, view.it.height), pixel = min(ivec2(u * vec2(size)), size - 1);
     Receiver at = receiver(pixel);
-    ViewSample it = ViewSample(at.position, -1.0, at.normal, 0.0, vec3(0.0), 1.0);
-    if (at.distance > 0.0) {
+    ViewSample it = ViewSample(at.position, -1.0, at.normal);
+    ViewSampleLobe lobe = ViewSampleLobe(vec3(0.0), 1.0, 0.0);
+    if (at.distance > 0.0 && index < params.count) {
         vec2 surface = texelFetch(metallic_roughness, pixel, 0).xy;
-        it.albedo = WHITE ? 1.0 : luminance(texelFetch(albedo, pixel, 0).rgb);
-        it.metallic = WHITE ? 0.0 : surface.x;
-        it.roughness = surface.y;
-        it.to_viewer = normalize(view.it.position - at.position);
+        // A metal's diffuse albedo is 0.
+        float diffuse = GLOSSY_RECEIVERS ? 1.0 : 1.0 - surface.x;
+        it.albedo = WHITE ? 1.0 : diffuse * luminance(texelFetch(albedo, pixel, 0).rgb);
+        lobe = ViewSampleLobe(normalize(view.it.position - at.position), surface.y, surface.x);
     }
     view_samples.at[index] = it;
+    view_lobes.at[index] = lobe;
 }

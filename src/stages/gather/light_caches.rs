@@ -267,9 +267,10 @@ fn proxies(
     let proxies = g.buffer::<ProxyLight>("gather/proxies", caches.count * lights);
     let dark = g.count("gather/dark-caches");
     let mut pass = g.compute("gather/cache-proxies").part("proxies", lights_part(config.receiver));
-    if let Some(disks) = vpls.disks {
-        pass = pass.part("disk", "gather/disk-stored").reads("disks", disks);
-    }
+    pass = match vpls.disks {
+        Some(disks) => pass.part("disk", "gather/disk-stored").reads("disks", disks),
+        None => pass.reads("areas", vpls.areas),
+    };
     if let Some(bits) = sight {
         pass = pass.part("sight", "gather/sight-bits").reads("bits", bits);
     }
@@ -277,7 +278,6 @@ fn proxies(
         .reads("caches", caches)
         .reads("places", vpls.places)
         .reads("intensities", vpls.intensities)
-        .reads("areas", vpls.areas)
         .writes("proxies", proxies)
         .updates("dark", dark)
         .constant("BY_FLUX", config.proxy_weights == ProxyWeights::Flux)

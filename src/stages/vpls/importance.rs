@@ -13,13 +13,17 @@ shader_struct! {
     /// `glsl/vpls/view-sample.glsl`: a surface that the camera sees.
     pub struct ViewSample {
         pub position: [f32; 3],
-        /// Luminance of the base colour; -1 where there is no surface.
+        /// Luminance of what is reflected diffusely, or of the base colour with a lobe; -1 where there is no surface.
         pub albedo: f32,
         pub normal: [f32; 3],
-        pub metallic: f32,
+    }
+
+    /// `glsl/vpls/view-sample.glsl`: what its reflection needs besides, if it is not diffuse.
+    pub struct ViewSampleLobe {
         /// Direction to the camera.
         pub to_viewer: [f32; 3],
         pub roughness: f32,
+        pub metallic: f32,
     }
 
     struct ViewSamplesParams {
@@ -43,6 +47,9 @@ shader_struct! {
     }
 }
 
+/// View samples that fit into a uniform block on every device: `glsl/vpls/samples-uniform.glsl`.
+const UNIFORM_SAMPLES: u32 = 512;
+
 /// Texels whose importance an invocation works out at once: `glsl/vpls/at-once.glsl`.
 pub(super) const AT_ONCE: u32 = 16;
 
@@ -60,6 +67,10 @@ pub(super) struct ViewImportance {
     block: Buffer,
     /// [`ViewSample`]s.
     samples: Buffer,
+    /// Their [`ViewSampleLobe`]s.
+    lobes: Buffer,
+    /// Whether they are few enough for uniform blocks.
+    few: bool,
     /// Importance of a texel for each unit of its power: a float.
     floor: Option<Buffer>,
     rsm: Rsm,
@@ -103,7 +114,9 @@ impl ViewImportance {
     fn bind<'g>(&self, pass: ComputePass<'g>) -> ComputePass<'g> {
         let pass = pass
             .reads("view_importance", self.block)
+            .part("samples", if self.few { "vpls/samples-uniform" } else { "vpls/samples-storage" })
             .reads("view_samples", self.samples)
+            .reads("view_lobes", self.lobes)
             .reads("lights", self.rsm.lights)
             .reads("rsm_depth", self.rsm.depth)
             .reads("rsm_normal", self.rsm.normal)
@@ -127,7 +140,13 @@ impl ViewImportance {
 fn view(g: &mut Graph, rsm: &Rsm, gbuffer: &GBuffer, wants: &Wants, config: &VplsConfig) -> ViewImportance {
     let importance = &config.view_importance;
     let (count, arriving) = (importance.samples, importance.light == ViewLight::Arriving);
-    let samples = g.buffer::<ViewSample>("vpls/view-samples", count);
+    // They are read by twos.
+    let even = count.next_multiple_of(2);
+    // A uniform block has a fixed length.
+    let length = even.max(UNIFORM_SAMPLES);
+    let glossy_receivers = wants.glossy_receivers && !arriving;
+    let samples = g.buffer::<ViewSample>("vpls/view-samples", length);
+    let lobes = g.buffer::<ViewSampleLobe>("vpls/view-sample-lobes", length);
     // Not the axes that points are drawn along, so that samples and points are independent.
     let [_, _, across, down] = points::shift(wants.seed);
     g.compute("vpls/view-samples")
@@ -137,17 +156,21 @@ fn view(g: &mut Graph, rsm: &Rsm, gbuffer: &GBuffer, wants: &Wants, config: &Vpl
         .reads("albedo", gbuffer.albedo)
         .reads("metallic_roughness", gbuffer.metallic_roughness)
         .writes("view_samples", samples)
+        .writes("view_lobes", lobes)
         .constant("WHITE", arriving)
+        .constant("GLOSSY_RECEIVERS", glossy_receivers)
         .params(&ViewSamplesParams { shift: [across, down], count })
-        .dispatch([count, 1, 1]);
+        .dispatch([even, 1, 1]);
     let min_distance = importance.min_distance.unwrap_or(wants.min_distance);
     let block = ViewImportanceBlock { samples: count, squared_min_distance: min_distance * min_distance };
     let view = ViewImportance {
         block: g.upload("vpls/view-importance", &[block]),
         samples,
+        lobes,
+        few: count <= UNIFORM_SAMPLES,
         floor: None,
         rsm: *rsm,
-        glossy_receivers: wants.glossy_receivers && !arriving,
+        glossy_receivers,
         glossy_dielectric: wants.dielectric == Dielectric::Ggx,
         diffuse: config.reflection != Reflection::Glossy,
     };

@@ -5,7 +5,7 @@ mod inverse_transform;
 mod metropolis_hastings;
 pub(super) mod points;
 
-pub use importance::ViewSample;
+pub use importance::{ViewSample, ViewSampleLobe};
 
 use super::facts::Facts;
 use super::gbuffer::GBuffer;
