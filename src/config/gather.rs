@@ -119,6 +119,7 @@ pub struct LightCachesConfig {
     /// has several caches.
     #[schemars(range(min = 1, max = 90))]
     pub angle_deg: f32,
+    pub snapping: Snapping,
     pub occlusion: CacheOcclusion,
     pub proxy_weights: ProxyWeights,
     pub proxy_bound: ProxyBound,
@@ -136,6 +137,7 @@ impl Default for LightCachesConfig {
         Self {
             distance: 1.0,
             angle_deg: 30.0,
+            snapping: Snapping::default(),
             occlusion: CacheOcclusion::DoubleProjection,
             proxy_weights: ProxyWeights::FormFactor,
             proxy_bound: ProxyBound::Extent,
@@ -145,6 +147,18 @@ impl Default for LightCachesConfig {
             double_projection: DoubleProjectionConfig::default(),
         }
     }
+}
+
+/// Where a cache is put on the surface that is averaged for it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Snapping {
+    /// At what is nearest to the middle. In a body of several layers, as a car with its seats or a tree's crown, that is inside, where no light
+    /// arrives.
+    Middle,
+    /// At a place near the middle that little surface stands before. Not in the paper.
+    #[default]
+    Open,
 }
 
 /// The occlusion `"double-projection"`.

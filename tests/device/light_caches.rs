@@ -738,7 +738,7 @@ fn caches_bend_with_their_mesh() {
     let mut scene = crate::bends::strips();
     scene.set_time(0.0);
     let folder = tempfile::tempdir().unwrap();
-    let spacing = Spacing { distance: 0.3, angle: 30f32.to_radians() };
+    let spacing = Spacing { distance: 0.3, angle: 30f32.to_radians(), open: true };
     let caches = LightCaches::of(&scene, spacing, &Cache::at(folder.path())).unwrap();
     let mut renderer = renderer(scene.clone());
     let light = directional(Vec3::new(0.3, -0.8, -0.5).normalize(), [2.0; 3]);

@@ -30,7 +30,7 @@ pub const NONE: u32 = u32::MAX;
 const MOST_SAMPLES: f64 = 1.0e8;
 
 /// Changes when the same scene gives other caches.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// Spacing of caches.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,6 +39,8 @@ pub struct Spacing {
     pub distance: f32,
     /// Angle theta_eps between the normals of surface that is averaged for a cache and their middle, at most, radians.
     pub angle: f32,
+    /// Whether a cache is put where little stands before it, and not at the middle of the surface that is averaged for it.
+    pub open: bool,
 }
 
 /// A light cache of a model.

@@ -133,7 +133,7 @@ impl Triangle {
 /// Hash of all that caches hang on.
 pub(super) fn key(scene: &Scene, models: &[Model], spacing: Spacing, version: u32) -> Hash {
     let mut hasher = blake3::Hasher::new();
-    hasher.update(bytemuck::cast_slice(&[version, spacing.distance.to_bits(), spacing.angle.to_bits()]));
+    hasher.update(bytemuck::cast_slice(&[version, spacing.distance.to_bits(), spacing.angle.to_bits(), spacing.open.into()]));
     hasher.update(bytemuck::cast_slice(&scene.vertices)).update(bytemuck::cast_slice(&scene.indices));
     for model in models {
         hasher.update(&[0xff]);

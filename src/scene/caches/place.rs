@@ -9,7 +9,7 @@ use std::collections::HashMap;
 /// Place of a cache.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
-    /// On the surface: that of the sample which is nearest to the mean of those it was averaged from.
+    /// On the surface: that of a sample among those it was averaged from.
     pub position: Vec3,
     /// Mean of their normals.
     pub normal: Vec3,
@@ -26,6 +26,9 @@ const VOXEL: f32 = 0.5;
 /// Offset of the voxels' grid, in voxels, so that walls at round coordinates do not lie between two.
 const OFFSET: Vec3 = Vec3::new(0.31, 0.47, 0.23);
 
+/// Samples of a place that are tried for it, at most.
+const CANDIDATES: usize = 16;
+
 /// Distance, in units of the spacing's, at which places of different voxels are joined.
 const JOINED: f32 = 0.25;
 
@@ -36,7 +39,7 @@ pub(super) fn places(samples: &[Sample], spacing: Spacing) -> Vec<Place> {
     let mut order: Vec<([i32; 3], u32)> = samples.par_iter().map(voxel).zip(0..samples.len() as u32).collect();
     order.par_sort_unstable();
     let voxels: Vec<&[([i32; 3], u32)]> = order.chunk_by(|a, b| a.0 == b.0).collect();
-    let found: Vec<Place> = voxels.par_iter().flat_map_iter(|voxel| of_voxel(samples, voxel, spacing.angle)).collect();
+    let found: Vec<Place> = voxels.par_iter().flat_map_iter(|voxel| of_voxel(samples, voxel, spacing)).collect();
     joined(found, spacing)
 }
 
@@ -48,7 +51,7 @@ fn bins() -> impl Iterator<Item = Vec3> {
 
 /// Places in one voxel. Each round takes the bin with the largest surface, and averages all surface whose normal is within the angle of the
 /// bin's mean. It takes one sample of the bin at least, so that rounds end.
-fn of_voxel(samples: &[Sample], voxel: &[([i32; 3], u32)], angle: f32) -> Vec<Place> {
+fn of_voxel(samples: &[Sample], voxel: &[([i32; 3], u32)], spacing: Spacing) -> Vec<Place> {
     let bins: Vec<Vec3> = bins().collect();
     let bin_of = |sample: &Sample| {
         let dots = bins.iter().map(|bin| bin.dot(sample.normal));
@@ -70,30 +73,54 @@ fn of_voxel(samples: &[Sample], voxel: &[([i32; 3], u32)], angle: f32) -> Vec<Pl
         let Some(nearest) = of_bin.reduce(|a, b| if dot(b) > dot(a) { b } else { a }) else {
             unreachable!("the bin with the largest surface has some")
         };
-        let least = angle.cos();
+        let least = spacing.angle.cos();
         let (taken, rest): (Vec<_>, Vec<_>) = left.into_iter().partition(|(number, _)| *number == nearest || dot(*number) >= least);
         left = rest;
-        places.push(mean(samples, &taken));
+        places.push(place(samples, voxel, &taken, spacing));
     }
     places
 }
 
-/// Mean of samples, snapped to the nearest of them.
-fn mean(samples: &[Sample], taken: &[(usize, usize)]) -> Place {
+/// Place for the mean of samples of a voxel: at the nearest of them, or at one nearby that little stands before.
+fn place(samples: &[Sample], voxel: &[([i32; 3], u32)], taken: &[(usize, usize)], spacing: Spacing) -> Place {
     let taken = || taken.iter().map(|(number, _)| (*number, &samples[*number]));
     let (mut area, mut position, mut normal) = (0.0, Vec3::ZERO, Vec3::ZERO);
-    let (first, origin) = taken().next().map_or((0, Vec3::ZERO), |(number, sample)| (number, sample.position));
+    let origin = taken().next().map_or(Vec3::ZERO, |(_, sample)| sample.position);
     for (_, sample) in taken() {
         area += sample.area;
         position += sample.area * (sample.position - origin);
         normal += sample.area * sample.normal;
     }
     let position = origin + position / area;
-    let distance = |number: usize| samples[number].position.distance_squared(position);
-    let sample = taken().fold(first, |nearest, (number, _)| if distance(number) < distance(nearest) { number } else { nearest });
+    let mut by_distance: Vec<(f32, usize)> = taken().map(|(number, sample)| (sample.position.distance_squared(position), number)).collect();
+    by_distance.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let stride = if spacing.open { by_distance.len().div_ceil(CANDIDATES) } else { by_distance.len() };
+    // A place without anything before it is worth a way of a voxel's side.
+    let side = VOXEL * spacing.distance;
+    let cost = |(distance, number): (f32, usize)| {
+        let covered = if spacing.open { covered(&samples[number], voxel.iter().map(|(_, other)| &samples[*other as usize])) } else { 0.0 };
+        distance + side * side * covered
+    };
+    let candidates = by_distance.iter().step_by(stride);
+    let least = candidates.map(|candidate| (cost(*candidate), candidate.1)).reduce(|a, b| if b.0 < a.0 { b } else { a });
+    let Some((_, sample)) = least else { unreachable!("a place has samples") };
     let position = samples[sample].position;
     let reach = taken().map(|(_, sample)| sample.position.distance(position)).fold(0.0, f32::max);
     Place { position, normal: normal.normalize_or(samples[sample].normal), sample, area, reach }
+}
+
+/// Share of the light of an even sky that surface keeps from a sample: form factors, as if no surface were behind another.
+fn covered<'s>(at: &Sample, surface: impl Iterator<Item = &'s Sample>) -> f32 {
+    let form_factor = |other: &Sample| {
+        let way = other.position - at.position;
+        let (squared, up) = (way.length_squared(), at.normal.dot(way));
+        if up > 0.0 {
+            other.area * up * other.normal.dot(way).abs() / (squared * (other.area + std::f32::consts::PI * squared))
+        } else {
+            0.0
+        }
+    };
+    surface.map(form_factor).sum::<f32>().min(1.0)
 }
 
 /// Joins places: those with less surface give way to a place nearby with an alike normal, if all of their surface is within the distance

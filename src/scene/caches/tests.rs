@@ -5,7 +5,7 @@ use crate::scene::{Material, builtin};
 use glam::{Affine3A, DAffine3, Vec2};
 
 fn spacing(distance: f32) -> Spacing {
-    Spacing { distance, angle: 30f32.to_radians() }
+    Spacing { distance, angle: 30f32.to_radians(), open: true }
 }
 
 /// Caches without a file.
@@ -102,7 +102,7 @@ fn surfaces_behind_each_other_have_one_silhouette_and_ones_that_stand_apart_are_
         ("leaves apart", (0..4).map(|i| Vec3::new((i % 2) as f32, 0.0, (i / 2) as f32)).collect(), 3.0 + leaf, 4.0 * leaf / (3.0 + leaf)),
     ] {
         let scene = squares(0.1, corners);
-        let made = LightCaches::make(&scene, models::models(&scene), Spacing { distance: 16.0, angle: 0.5 }).unwrap();
+        let made = LightCaches::make(&scene, models::models(&scene), Spacing { distance: 16.0, angle: 0.5, open: true }).unwrap();
         let caches: Vec<&LightCache> = made.models.iter().flat_map(|model| &model.caches).collect();
         assert_eq!(caches.len(), 1, "{name}");
         let found = silhouette(&scene, caches[0]);
@@ -161,6 +161,22 @@ fn both_sides_of_a_thin_wall_keep_their_caches() {
     let normals: Vec<f32> = caches.models[0].caches.iter().map(|cache| standing(&scene, cache).1.y).collect();
     let (up, down) = (normals.iter().filter(|y| **y > 0.999).count(), normals.iter().filter(|y| **y < -0.999).count());
     assert!(up >= 4 && down >= 4 && up + down == normals.len(), "{normals:?}");
+}
+
+#[test]
+fn a_cache_of_several_layers_is_on_the_open_one_and_on_a_wall_in_its_middle() {
+    let layers = squares(1.0, (0..4).map(|i| Vec3::new(0.0, 0.3 * i as f32, 0.0)));
+    let spacing = |open: bool| Spacing { distance: 3.0, angle: 0.5, open };
+    for (open, expected) in [(true, 0.9), (false, 0.3)] {
+        let made = LightCaches::make(&layers, models::models(&layers), spacing(open)).unwrap();
+        let caches = &made.models[0].caches;
+        let highest = caches.iter().map(|cache| standing(&layers, cache).0.y).fold(0.0, f32::max);
+        assert!((highest - expected).abs() < 1e-3, "open {open}: at {highest} m");
+    }
+    let wall = squares(1.0, [Vec3::ZERO]);
+    let places = [true, false]
+        .map(|open| standing(&wall, &LightCaches::make(&wall, models::models(&wall), spacing(open)).unwrap().models[0].caches[0]).0);
+    assert_eq!(places[0], places[1]);
 }
 
 #[test]
@@ -269,7 +285,7 @@ fn the_preset_has_the_papers_number_of_caches() {
     let text = crate::presets::find("lightskin").unwrap_or_else(|| panic!("there is a preset lightskin"));
     let config = crate::config::parse(text, std::path::Path::new("lightskin.toml"), &[]).unwrap().config;
     let caches = &config.gather.light_caches;
-    let spacing = Spacing { distance: caches.distance, angle: caches.angle_deg.to_radians() };
+    let spacing = Spacing { distance: caches.distance, angle: caches.angle_deg.to_radians(), open: true };
     let scene = builtin::street(&builtin::Street { triangles: config.scene.triangles, seed: config.scene.seed });
     let found = LightCaches::make(&scene, models::models(&scene), spacing).unwrap().count();
     println!("{found} caches");

@@ -3,7 +3,7 @@
 use super::light_caches::bytes_of_vertex;
 use super::limits::MOST_CACHES;
 use super::needs_rays;
-use crate::config::{Config, GatherMethod};
+use crate::config::{Config, GatherMethod, Snapping};
 use crate::gpu::{Adapter, BufferId, Gpu};
 use crate::graph::{Buffer, Graph, Member, ShaderStruct};
 use crate::scene::Scene;
@@ -81,7 +81,11 @@ pub struct FrameCaches {
 /// Spacing of the caches that a config needs; `None` if it needs none.
 pub fn needs_caches(config: &Config) -> Option<Spacing> {
     let caches = &config.gather.light_caches;
-    (config.gather.method == GatherMethod::LightCaches).then(|| Spacing { distance: caches.distance, angle: caches.angle_deg.to_radians() })
+    (config.gather.method == GatherMethod::LightCaches).then(|| Spacing {
+        distance: caches.distance,
+        angle: caches.angle_deg.to_radians(),
+        open: caches.snapping == Snapping::Open,
+    })
 }
 
 impl Caches {
