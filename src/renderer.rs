@@ -177,6 +177,11 @@ impl Renderer {
         }
     }
 
+    /// Number of light caches of all instances, once a frame of the config has been prepared; `None` if it has none.
+    pub fn light_cache_count(&self, config: &Config) -> Option<u64> {
+        self.residents.light_cache_count(config)
+    }
+
     /// Warnings about a config.
     pub fn warnings(&self, config: &Config) -> Vec<String> {
         stages::warnings(config, self.world.scene(), &self.world.lights(config, 0), config.vpl_count(1))

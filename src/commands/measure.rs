@@ -119,6 +119,7 @@ impl Measured {
             ("scene/triangles", Some(renderer.world().device().triangles)),
             ("start/first-pass-ms", first_pass_ms),
             ("vpls/count", Some(u64::from(renderer.vpl_count(config)))),
+            ("light-caches/count", renderer.light_cache_count(config)),
             ("device/memory-bytes", Some(renderer.gpu().memory_in_use())),
         ];
         let known = known.into_iter().filter_map(|(name, count)| Some((name.to_owned(), count?)));

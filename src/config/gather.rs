@@ -3,7 +3,7 @@
 use super::rules::{Broken, broken};
 use super::unused::Unused;
 use super::values::Block;
-use super::{Config, VisibilityMethod};
+use super::{Config, FilterKind, VisibilityMethod};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -48,7 +48,7 @@ pub enum GatherMethod {
     /// Every VPL has a random range, beyond which Russian roulette has decided against it (Tokuyoshi and Harada 2017).
     Stochastic,
     /// All VPLs, as area lights, shine on sparse caches on the models, and pixels interpolate between these (Bischoff, Schwandt and Broll
-    /// 2017). Caches have shadows of their own: `gather.light_caches.occlusion`.
+    /// 2017). Each bounce's VPLs shine on them. Caches have shadows of their own: `gather.light_caches.occlusion`.
     LightCaches,
 }
 
@@ -107,7 +107,9 @@ impl Default for ConservativeClustersConfig {
     }
 }
 
-/// The method `"light-caches"`.
+/// The method `"light-caches"`. `run.json` counts the caches (`light-caches/count`), those that no light reaches (`gather/dark-caches`), those
+/// in the sphere of their own proxy light (`gather/caches-within`), and vertices around which no cache has weight, so that the nearest one
+/// counts (`gather/lone-vertices`).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LightCachesConfig {
@@ -431,7 +433,10 @@ impl GatherConfig {
                 let caches = of_method(&["gather.per_pixel", "gather.stochastic", "gather.conservative_clusters"]);
                 let occlusion = Unused::new(&["gather.light_caches.double_projection"], &["gather.light_caches.occlusion"]);
                 let has = config.gather.light_caches.occlusion == CacheOcclusion::DoubleProjection;
-                std::iter::once(caches).chain((!has).then_some(occlusion)).collect()
+                // Pixels have no subsets of VPLs; of a sky's directions they have.
+                let is_given = config.filter.kind != FilterKind::None && !config.has_sky();
+                let filter = is_given.then(|| of_method(&["filter"]));
+                std::iter::once(caches).chain((!has).then_some(occlusion)).chain(filter).collect()
             }
             (_, None) => vec![of_method(&["gather.stochastic", "gather.conservative_clusters", "gather.light_caches"])],
             (_, Some(culling)) => {

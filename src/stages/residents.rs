@@ -23,6 +23,12 @@ pub struct Residents {
 }
 
 impl Residents {
+    /// Number of light caches, if a config needs them and they are there.
+    pub fn light_cache_count(&self, config: &Config) -> Option<u64> {
+        let spacing = caches::needs_caches(config)?;
+        self.caches.as_ref().filter(|there| there.are_of(spacing)).map(Caches::count)
+    }
+
     /// Makes missing resources of a config's stages, from the world's scene at second 0 of its animation.
     ///
     /// # Errors

@@ -186,7 +186,7 @@ pub struct Names {
 }
 
 /// Counts that a record has beside those of passes.
-const COUNTED: [&str; 3] = ["scene/triangles", "vpls/count", "device/memory-bytes"];
+const COUNTED: [&str; 4] = ["scene/triangles", "vpls/count", "light-caches/count", "device/memory-bytes"];
 
 impl Names {
     /// Refuses measures of names that no frame of the table has.

@@ -293,7 +293,7 @@ fn caches_are_counted_that_are_dark_or_in_the_sphere_of_their_light() {
         println!("{dark} of {} caches are dark, {within} in their light", proxies.len());
         assert!((dark > 0) == some_dark && (within > 0) == some_within, "{dark} caches are dark, {within} in their light");
         assert_eq!((count(&rendered, "gather/dark-caches"), count(&rendered, "gather/caches-within")), (dark as u64, within as u64));
-        assert_eq!(count(&rendered, "gather/alone"), 0, "every vertex of a room has caches around it");
+        assert_eq!(count(&rendered, "gather/lone-vertices"), 0, "every vertex of a room has caches around it");
     }
     finish(renderer.gpu());
 }

@@ -100,6 +100,13 @@ impl LightCaches {
         Ok(caches)
     }
 
+    /// About how many caches a scene has, before they are made: one for a tenth of the square of the distance of the surface. It is within a
+    /// third of what streets and halls have at 30 to 60 degrees, and says nothing of surfaces that bend in less than the distance.
+    pub fn about(scene: &Scene, distance: f32) -> f64 {
+        let area: f64 = models::models(scene).iter().map(|model| model.area() * model.instances.len() as f64).sum();
+        area / (0.1 * f64::from(distance).powi(2))
+    }
+
     /// Number of caches of all instances.
     pub fn count(&self) -> usize {
         self.models.iter().map(|model| model.caches.len() * model.instances.len()).sum()

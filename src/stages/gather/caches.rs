@@ -168,6 +168,11 @@ impl Caches {
         Ok(())
     }
 
+    /// Number of caches of all instances.
+    pub fn count(&self) -> u64 {
+        u64::from(self.placed.1)
+    }
+
     /// Whether these are the caches of a spacing.
     pub fn are_of(&self, spacing: Spacing) -> bool {
         self.spacing == spacing

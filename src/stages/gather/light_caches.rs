@@ -131,7 +131,7 @@ fn lights_part(receiver: Receiver) -> &'static str {
 
 /// Light of the VPLs by the caches.
 ///
-/// Counts `gather/dark-caches`, those that no light reaches; `gather/alone`, vertices none of whose caches has weight, so that the nearest
+/// Counts `gather/dark-caches`, those that no light reaches; `gather/lone-vertices`, vertices none of whose caches has weight, so that the nearest
 /// counts alone; and, with double projection, `gather/caches-within`, those in the sphere of their own proxy light.
 pub(super) fn gathered(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, config: &LightCachesConfig) -> Indirect {
     let caches = around.residents.caches(g);
@@ -347,7 +347,7 @@ fn vertices(
     let count = caches.listed.count;
     let each = lights_of(config.receiver);
     let lights = g.buffer::<VertexLight>("gather/vertex-lights", count * sides * each);
-    let alone = g.count("gather/alone");
+    let alone = g.count("gather/lone-vertices");
     let mut pass = g.compute("gather/cache-vertices").part("proxies", lights_part(config.receiver));
     if let Some(seen) = seen {
         pass = pass.part("reach", "gather/reach-share").reads("seen", seen);

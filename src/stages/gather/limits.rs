@@ -7,6 +7,7 @@ use crate::fail;
 use crate::gpu::{Adapter, Feature};
 use crate::graph::counted;
 use crate::scene::Scene;
+use crate::scene::caches::LightCaches;
 use crate::stages::facts::{Facts, planned_turns};
 use crate::stages::methods::{Choice, Method, NOTHING, Needs};
 use anyhow::Result;
@@ -181,21 +182,44 @@ pub fn choices(config: &Config, adapter: &Adapter) -> BTreeMap<&'static str, Val
 /// Shortest part of a scene's diagonal that `scene.split` takes.
 const LEAST_SPLIT: f32 = 0.001;
 
-/// Warnings about a scene whose triangles are too large for a config's light caches: vertices alone know caches.
+/// Caches from which on a warning says how long they take.
+const MANY_CACHES: f64 = 40_000.0;
+
+/// Part of a scene's diagonal from which on a cache's distance is a room of it, and one that is fine.
+const LARGE_CACHE: [f32; 2] = [0.1, 0.04];
+
+/// Warnings about a scene that a config's light caches are too many or too large for.
 pub fn warnings(config: &Config, scene: &Scene) -> Vec<String> {
-    let distance = config.gather.light_caches.distance;
     if config.gather.method != GatherMethod::LightCaches {
         return Vec::new();
     }
-    let (longest, diagonal) = (scene.longest_edge(), scene.bounds().size().length());
+    let (distance, diagonal) = (config.gather.light_caches.distance, scene.bounds().size().length());
+    let about = LightCaches::about(scene, distance);
+    let many = (about > MANY_CACHES).then(|| {
+        let less = f64::from(distance) * (about / (0.5 * MANY_CACHES)).sqrt();
+        format!(
+            "gather.light_caches.distance: {distance} m makes about {about:.0} caches of {}, and the time of their shadows grows with their square; {less:.2} m makes about {:.0}",
+            scene.name,
+            0.5 * MANY_CACHES
+        )
+    });
+    let [large, fine] = LARGE_CACHE.map(|part| part * diagonal);
+    let large = (distance > large).then(|| {
+        format!("gather.light_caches.distance: {distance} m is large for {}, which is {diagonal:.1} m across: one cache lights a room of it; take {fine:.2} or less", scene.name)
+    });
+    many.into_iter().chain(large).chain(warning_of_edges(distance, scene.longest_edge(), diagonal)).collect()
+}
+
+/// Warning about a scene whose triangles are too large for its light caches: vertices alone know caches.
+fn warning_of_edges(distance: f32, longest: f32, diagonal: f32) -> Option<String> {
     if longest <= 1.01 * distance {
-        return Vec::new();
+        return None;
     }
     let split = (distance / diagonal / LEAST_SPLIT).floor() * LEAST_SPLIT;
     let advice = if split < LEAST_SPLIT { "raise it".to_owned() } else { format!("take scene.split = {split:.3}") };
-    vec![format!(
+    Some(format!(
         "gather.light_caches.distance: edges of triangles are {longest:.2} m long, over the {distance} m around a cache, and light between their vertices is missed; {advice}"
-    )]
+    ))
 }
 
 /// Warnings about a frame's light lists, from its counters.
@@ -206,4 +230,27 @@ pub fn warnings_of_frame(counts: &[(String, u64)]) -> Vec<String> {
         )
     };
     counted(counts, "gather/lost").filter(|count| *count > 0).map(warning).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    #[test]
+    fn caches_that_are_too_many_or_too_large_for_a_scene_are_warned_of() {
+        let scene = builtin::cornell();
+        let mut config = Config::default();
+        config.gather.method = GatherMethod::LightCaches;
+        let size = scene.bounds().size().length();
+        let mut warned = |part: f32| {
+            config.gather.light_caches.distance = part * size;
+            warnings(&config, &scene)
+        };
+        let said = |warnings: &[String], what: &str| warnings.iter().filter(|warning| warning.contains(what)).count();
+        let [many, fine, large] = [0.002, 0.05, 0.2].map(&mut warned);
+        assert_eq!([&many, &fine, &large].map(|all| said(all, " caches of ")), [1, 0, 0], "{many:?} {fine:?} {large:?}");
+        assert_eq!([&many, &fine, &large].map(|all| said(all, "is large for")), [0, 0, 1], "{many:?} {fine:?} {large:?}");
+        assert!(many[0].ends_with(" m makes about 20000"), "{}", many[0]);
+    }
 }
