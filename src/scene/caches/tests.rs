@@ -165,18 +165,23 @@ fn both_sides_of_a_thin_wall_keep_their_caches() {
 
 #[test]
 fn a_cache_of_several_layers_is_on_the_open_one_and_on_a_wall_in_its_middle() {
-    let layers = squares(1.0, (0..4).map(|i| Vec3::new(0.0, 0.3 * i as f32, 0.0)));
     let spacing = |open: bool| Spacing { distance: 3.0, angle: 0.5, open };
-    for (open, expected) in [(true, 0.9), (false, 0.3)] {
-        let made = LightCaches::make(&layers, models::models(&layers), spacing(open)).unwrap();
-        let caches = &made.models[0].caches;
-        let highest = caches.iter().map(|cache| standing(&layers, cache).0.y).fold(0.0, f32::max);
-        assert!((highest - expected).abs() < 1e-3, "open {open}: at {highest} m");
+    let place = |scene: &Scene, open: bool| {
+        let made = LightCaches::make(scene, models::models(scene), spacing(open)).unwrap();
+        assert_eq!(made.count(), 1, "all of the squares are in one voxel");
+        standing(scene, &made.models[0].caches[0]).0
+    };
+    let stack = |count: u32| {
+        let square = |i: u32| (square(1.0, 0.1 * i as f32, true), false, vec![Affine3A::IDENTITY]);
+        scene(&(0..count).map(square).collect::<Vec<_>>())
+    };
+    let layers = stack(5);
+    for (open, expected) in [(true, 0.4), (false, 0.2)] {
+        let found = place(&layers, open);
+        assert!((found.y - expected).abs() < 1e-3, "open {open}: at {found}");
     }
-    let wall = squares(1.0, [Vec3::ZERO]);
-    let places = [true, false]
-        .map(|open| standing(&wall, &LightCaches::make(&wall, models::models(&wall), spacing(open)).unwrap().models[0].caches[0]).0);
-    assert_eq!(places[0], places[1]);
+    let wall = stack(1);
+    assert_eq!(place(&wall, true), place(&wall, false));
 }
 
 #[test]
