@@ -93,7 +93,7 @@ fn culling_never_changes_the_picture_whatever_the_count_and_the_lights() {
 fn as_many_vpls_as_a_pixel_may_have_are_all_summed() {
     let mut renderer = renderer(atrium());
     // A view along the court, whose pixels are in many froxels.
-    let mut config = config([20, 12], [-8.2, 1.9, -6.2], [0.0, 2.2, -5.4]);
+    let mut config = config([40, 24], [-8.2, 1.9, -6.2], [0.0, 2.2, -5.4]);
     config.rsm.size = [512, 512];
     config.gather.interleave = 1.into();
     for (culling, most) in [(Culling::None, 80_000), (Culling::Tiled, 60_000), (Culling::Clustered, 2_500)] {
