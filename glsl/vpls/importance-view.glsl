@@ -44,7 +44,7 @@ void importances(ivec3 at[AT_ONCE], uvec2 size, out float found[AT_ONCE]) {
     // Two samples a turn: a candidate is read once for both. After an odd number of them there is one without a surface.
     for (uint i = 0u; i < view_importance.samples; i += 2u) {
         ViewSample first = sample_at(i), second = sample_at(i + 1u);
-        ViewSampleLobe first_lobe, second_lobe;
+        ViewSampleLobe first_lobe = NO_LOBE, second_lobe = NO_LOBE;
         if (GLOSSY_RECEIVERS) {
             first_lobe = lobe_at(i);
             second_lobe = lobe_at(i + 1u);

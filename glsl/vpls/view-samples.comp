@@ -32,7 +32,7 @@ void main() {
     ivec2 size = ivec2(view.it.width, view.it.height), pixel = min(ivec2(u * vec2(size)), size - 1);
     Receiver at = receiver(pixel);
     ViewSample it = ViewSample(at.position, -1.0, at.normal);
-    ViewSampleLobe lobe = ViewSampleLobe(vec3(0.0), 1.0, 0.0);
+    ViewSampleLobe lobe = NO_LOBE;
     if (at.distance > 0.0 && index < params.count) {
         vec2 surface = texelFetch(metallic_roughness, pixel, 0).xy;
         // A metal's diffuse albedo is 0.

@@ -243,6 +243,22 @@ fn a_chain_of_one_step_is_uniform_sampling_and_a_map_changes_nothing() {
 }
 
 #[test]
+fn after_an_odd_number_of_view_samples_there_is_one_without_a_surface() {
+    let (mut renderer, mut config) = two_lamps();
+    for (samples, expected) in [(63usize, 64), (513, 514)] {
+        config.vpls.view_importance.samples = samples as u32;
+        let rendered = dump(&mut renderer, &config, 0, &["vpls/view-samples"]);
+        let words: Vec<u32> = words(dumped(&rendered, "vpls/view-samples")).collect();
+        // A sample is seven numbers, of which the fourth is its albedo.
+        let albedos: Vec<f32> = words.as_chunks::<7>().0.iter().map(|sample| f32::from_bits(sample[3])).collect();
+        assert!(albedos.len() >= expected, "{samples} samples: {} have room", albedos.len());
+        assert!(albedos[..samples].iter().any(|albedo| *albedo > 0.0), "{samples} samples: none is on a surface");
+        assert_eq!(albedos[samples], -1.0, "{samples} samples");
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
 fn a_map_changes_nothing_for_glossy_vpls_and_receivers_either() {
     let (mut renderer, mut config) = two_lamps();
     (config.vpls.count, config.rsm.size) = (1000, [50, 31]);

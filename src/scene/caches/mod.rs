@@ -100,8 +100,8 @@ impl LightCaches {
         Ok(caches)
     }
 
-    /// About how many caches a scene has, before they are made: one for a tenth of the square of the distance of the surface. It is within a
-    /// third of what streets and halls have at 30 to 60 degrees, and says nothing of surfaces that bend in less than the distance.
+    /// Estimate of a scene's caches before they are made: surface over a tenth of the square of the distance. Two streets have .97 and 1.03 of
+    /// it at 30 to 60 degrees, Sponza .72. Smaller angles, which it does not know, make more.
     pub fn about(scene: &Scene, distance: f32) -> f64 {
         let area: f64 = models::models(scene).iter().map(|model| model.area() * model.instances.len() as f64).sum();
         area / (0.1 * f64::from(distance).powi(2))

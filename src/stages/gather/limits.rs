@@ -182,10 +182,10 @@ pub fn choices(config: &Config, adapter: &Adapter) -> BTreeMap<&'static str, Val
 /// Shortest part of a scene's diagonal that `scene.split` takes.
 const LEAST_SPLIT: f32 = 0.001;
 
-/// Caches from which on a warning says how long they take.
+/// Number of caches from which on a warning says that they take long.
 const MANY_CACHES: f64 = 40_000.0;
 
-/// Part of a scene's diagonal from which on a cache's distance is a room of it, and one that is fine.
+/// Parts of a scene's diagonal: the distance of caches from which on a warning says that they are large, and the one that it advises.
 const LARGE_CACHE: [f32; 2] = [0.1, 0.04];
 
 /// Warnings about a scene that a config's light caches are too many or too large for.
@@ -198,14 +198,14 @@ pub fn warnings(config: &Config, scene: &Scene) -> Vec<String> {
     let many = (about > MANY_CACHES).then(|| {
         let less = f64::from(distance) * (about / (0.5 * MANY_CACHES)).sqrt();
         format!(
-            "gather.light_caches.distance: {distance} m makes about {about:.0} caches of {}, and the time of their shadows grows with their square; {less:.2} m makes about {:.0}",
+            "gather.light_caches.distance: {distance} m makes about {about:.0} caches of {}, and the time of their shadows grows with their square; take {less:.2} for about {:.0}",
             scene.name,
             0.5 * MANY_CACHES
         )
     });
     let [large, fine] = LARGE_CACHE.map(|part| part * diagonal);
     let large = (distance > large).then(|| {
-        format!("gather.light_caches.distance: {distance} m is large for {}, which is {diagonal:.1} m across: one cache lights a room of it; take {fine:.2} or less", scene.name)
+        format!("gather.light_caches.distance: {distance} m is large for {}, which is {diagonal:.1} m across: one cache stands for a room of it; take {fine:.2} or less", scene.name)
     });
     many.into_iter().chain(large).chain(warning_of_edges(distance, scene.longest_edge(), diagonal)).collect()
 }
@@ -251,6 +251,6 @@ mod tests {
         let [many, fine, large] = [0.002, 0.05, 0.2].map(&mut warned);
         assert_eq!([&many, &fine, &large].map(|all| said(all, " caches of ")), [1, 0, 0], "{many:?} {fine:?} {large:?}");
         assert_eq!([&many, &fine, &large].map(|all| said(all, "is large for")), [0, 0, 1], "{many:?} {fine:?} {large:?}");
-        assert!(many[0].ends_with(" m makes about 20000"), "{}", many[0]);
+        assert!(many[0].ends_with(" for about 20000"), "{}", many[0]);
     }
 }

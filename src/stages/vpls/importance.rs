@@ -13,12 +13,12 @@ shader_struct! {
     /// `glsl/vpls/view-sample.glsl`: a surface that the camera sees.
     pub struct ViewSample {
         pub position: [f32; 3],
-        /// Luminance of what is reflected diffusely, or of the base colour with a lobe; -1 where there is no surface.
+        /// Luminance of the diffuse albedo, or of the base colour of a glossy receiver; -1 where there is no surface.
         pub albedo: f32,
         pub normal: [f32; 3],
     }
 
-    /// `glsl/vpls/view-sample.glsl`: what its reflection needs besides, if it is not diffuse.
+    /// `glsl/vpls/view-sample.glsl`: what the reflection of a glossy receiver needs besides.
     pub struct ViewSampleLobe {
         /// Direction to the camera.
         pub to_viewer: [f32; 3],
@@ -47,7 +47,7 @@ shader_struct! {
     }
 }
 
-/// View samples that fit into a uniform block on every device: `glsl/vpls/samples-uniform.glsl`.
+/// View samples that a uniform block holds on every device: `glsl/vpls/samples-uniform.glsl`.
 const UNIFORM_SAMPLES: u32 = 512;
 
 /// Texels whose importance an invocation works out at once: `glsl/vpls/at-once.glsl`.
