@@ -7,6 +7,7 @@
 // which reflects the glossy proxy, and returns the share that remains for diffuse reflection of light from a direction.
 #include "gbuffer/receiver.glsl"
 #include "lib/color.glsl"
+#include "lib/light-cache.glsl"
 #include "lib/pi.glsl"
 #include "lib/scene.glsl"
 #include "part/proxies=gather/proxies-one"
@@ -36,7 +37,7 @@ Arriving arriving(uint kind, vec3 n) {
     vec4 place = (gl_FrontFacing ? in_place[kind] : in_place[PROXIES + kind]) / max(flux.a, 1e-20);
     float squared = dot(place.xyz, place.xyz);
     vec3 to_light = place.xyz * inversesqrt(max(squared, 1e-30));
-    float cosine = max(dot(n, to_light), 0.0);
+    float cosine = proxy_cosine(dot(n, to_light), squared, place.w);
     return Arriving(flux.rgb * (cosine / (4.0 * PI * max(squared + place.w * place.w, 1e-30))), to_light);
 }
 

@@ -69,7 +69,7 @@ void add(inout VertexLight sum, Place place, LightCache cache, uint number, floa
     if (!(cosine > 0.0) || all(equal(proxy.irradiance, vec3(0.0)))) return;
     sum.way += weight * (proxy.way + (cache.position - place.position));
     sum.extent += weight * extent;
-    sum.flux += (weight * reach_of(number) * 4.0 * PI * (squared + extent * extent) / cosine) * proxy.irradiance;
+    sum.flux += (weight * reach_of(number) * 4.0 * PI * (squared + extent * extent) / proxy_cosine(cosine, squared, extent)) * proxy.irradiance;
     sum.lit += weight;
 }
 

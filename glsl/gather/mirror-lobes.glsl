@@ -1,7 +1,6 @@
 // Receivers with gloss: metals, and dielectrics under a coat. Their lobe is that of the caches (equation 4), so that a pixel at a cache
 // reflects what the cache does.
 #include "lib/brdf.glsl"
-#include "lib/light-cache.glsl"
 
 layout(constant_id = 7) const bool GLOSSY_DIELECTRIC = false;
 

@@ -34,4 +34,13 @@ vec3 mirror_direction(vec3 from_eye, vec3 normal) {
 
 // cos^k of a lobe, 0 behind.
 float cosine_lobe(float cosine, float exponent) { return cosine > 1e-12 ? exp2(exponent * log2(min(cosine, 1.0))) : 0.0; }
+
+// Mean of the clamped cosines to the places that a proxy stands for, given the cosine to its middle, the square of its distance and its extent.
+// Where its middle is below the horizon, a part of it is above. It is the cosine itself for a proxy wholly above, and for one without extent.
+float proxy_cosine(float cosine, float squared, float extent) {
+    float width = extent * inversesqrt(max(squared + extent * extent, 1e-30));
+    if (cosine >= width) return cosine;
+    float above = max(cosine + width, 0.0);
+    return above * above / max(4.0 * width, 1e-30);
+}
 #endif

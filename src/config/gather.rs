@@ -260,11 +260,11 @@ pub enum ProxyWeights {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ProxyBound {
-    /// Its extent: squared distances grow by the variance of its VALs' places. Diffuse light at the cache is the same. Glossy proxies off their
-    /// lobe are bounded by the lobe's mean. Not in the paper.
+    /// Its extent: squared distances grow by the variance of its VALs' places, and a part of it stands above a surface that its middle is
+    /// behind. Diffuse light at the cache is the same. Glossy proxies off their lobe are bounded by the lobe's mean. Not in the paper.
     #[default]
     Extent,
-    /// Nothing, as in the paper: surfaces that come close to a moved proxy are far too bright.
+    /// Nothing, as in the paper: surfaces that come close to a moved proxy are far too bright, and those that it is behind are black.
     None,
 }
 

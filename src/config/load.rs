@@ -136,7 +136,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String> {
 /// The file's tree over that of its base, and so on down.
 fn chain(text: &str, path: &Path) -> Result<Node> {
     let mut files = vec![path.to_path_buf()];
-    let (mut root, mut base) = config_document(text, path, MOST_FILES)?;
+    let (mut root, mut base) = config_document(text, path, MOST_FILES, false)?;
     while let Some((origin, Below { path: base_path, preset })) = base {
         let names = || files.iter().chain([&base_path]).map(|file| shown(file)).collect::<Vec<_>>().join(" -> ");
         let same = |file: &PathBuf| match (file.canonicalize(), base_path.canonicalize()) {
@@ -154,7 +154,7 @@ fn chain(text: &str, path: &Path) -> Result<Node> {
             Some(text) => text.to_owned(),
             None => read(&base_path).map_err(|error| check::error(&origin, "base", error))?,
         };
-        let (mut below, next) = config_document(&text, &base_path, MOST_FILES - files.len())?;
+        let (mut below, next) = config_document(&text, &base_path, MOST_FILES - files.len(), preset.is_some())?;
         files.push(base_path);
         overlay(&mut below, root, "");
         root = below;
@@ -171,10 +171,12 @@ struct Below {
 }
 
 impl Below {
-    /// A file by its path from a folder, or a preset by its name or file name.
-    fn named(name: &str, folder: &Path) -> Self {
+    /// A file by its path from a folder, or a preset by its name or file name. A preset starts from presets, whatever files of their names
+    /// stand in the folder.
+    fn named(name: &str, folder: &Path, in_preset: bool) -> Self {
         let path = folder.join(name);
-        match presets::find(name.strip_suffix(".toml").unwrap_or(name)).filter(|_| !path.exists()) {
+        let is_file = !in_preset && path.exists() && !path.is_dir();
+        match presets::find(name.strip_suffix(".toml").unwrap_or(name)).filter(|_| !is_file) {
             Some(text) => Self { path: Path::new(name).with_extension("toml"), preset: Some(text) },
             None => Self { path, preset: None },
         }
@@ -182,14 +184,14 @@ impl Below {
 }
 
 /// One file's tree and, apart from it, the base that it names.
-fn config_document(text: &str, path: &Path, layer: usize) -> Result<(Node, Option<(Origin, Below)>)> {
+fn config_document(text: &str, path: &Path, layer: usize, is_preset: bool) -> Result<(Node, Option<(Origin, Below)>)> {
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
     let source = Rc::new(Source { name: shown(path), folder: folder.clone(), layer });
     let mut root = tree(text, source)?;
     let Value::Table(table) = &mut root.value else { unreachable!("a document is a table") };
     let base = match table.remove("base") {
         None => None,
-        Some(Node { origin, value: Value::Text(base) }) if !base.is_empty() => Some((origin, Below::named(&base, &folder))),
+        Some(Node { origin, value: Value::Text(base) }) if !base.is_empty() => Some((origin, Below::named(&base, &folder, is_preset))),
         Some(node) => return Err(check::error(&node.origin, "base", format_args!("expects the path of a config, found {}", node.found()))),
     };
     Ok((root, base))

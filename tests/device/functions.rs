@@ -16,6 +16,7 @@ const FRAME: &str = "#version 460
 #include \"lib/brdf.glsl\"
 #include \"lib/color.glsl\"
 #include \"lib/disk.glsl\"
+#include \"lib/light-cache.glsl\"
 #include \"lib/light.glsl\"
 #include \"lib/packing.glsl\"
 #include \"lib/permutation.glsl\"
@@ -699,4 +700,25 @@ fn spheres_contain_where_diffuse_vpls_may_shine_and_touch_it() {
     let farthest = found.iter().map(|r| r[0]).fold(0.0, f32::max);
     println!("the farthest end of a range is at {farthest:.5} of the sphere's radius");
     assert!(farthest <= 1.0001 && farthest > 0.999, "ranges reach to {farthest} of the sphere's radius");
+}
+
+#[test]
+fn a_proxy_light_behind_a_plane_shines_as_the_part_of_its_places_before_it_does() {
+    let inputs: Vec<[f32; 4]> = random_numbers(500).into_iter().map(|[x, y, z, _]| [2.0 * x - 1.0, 0.01 + 9.0 * y, 3.0 * z, 0.0]).collect();
+    let mut cut = 0;
+    for (input, found) in inputs.iter().zip(numbers("r.x = proxy_cosine(v.x, v.y, v.z); r.y = proxy_cosine(v.x, v.y, 0.0);", &inputs)) {
+        let [cosine, squared, extent] = [input[0], input[1], input[2]].map(f64::from);
+        let width = extent / (squared + extent * extent).sqrt();
+        let places = (0..10_000).map(|i| cosine + width * ((f64::from(i) + 0.5) / 5_000.0 - 1.0));
+        let mean = places.map(|cosine| cosine.max(0.0)).sum::<f64>() / 10_000.0;
+        assert!((f64::from(found[0]) - mean).abs() < 1e-5, "{input:?} is {} and not {mean}", found[0]);
+        assert_eq!(found[1], input[0].max(0.0), "without extent, of {input:?}");
+        cut += u32::from(cosine.abs() < width);
+    }
+    assert!((100..400).contains(&cut), "{cut} of 500 are cut by the horizon");
+    for edge in
+        numbers("r.x = proxy_cosine(v.x, v.y, v.z);", &[[0.0; 4], [0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 1.0, 0.0], [0.3, 1.0, 1e-30, 0.0]])
+    {
+        assert!(edge[0].is_finite() && edge[0] >= 0.0, "{edge:?}");
+    }
 }

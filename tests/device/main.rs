@@ -8,6 +8,7 @@ mod chains;
 mod common;
 mod culling;
 mod direct;
+mod double_projection;
 mod files;
 mod filter;
 mod flicker;

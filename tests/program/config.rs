@@ -364,6 +364,18 @@ fn a_base_is_a_preset_by_its_name_in_every_folder_and_a_file_goes_first() {
 }
 
 #[test]
+fn a_preset_starts_from_presets_whatever_is_called_like_them() {
+    // "lightskin" starts from "street".
+    let folder = Folder::new(
+        "preset-base",
+        &[("street.toml", "base = \"lightskin\""), ("linke/a.toml", "vpls.count = 7"), ("folder.toml", "base = \"linke\"")],
+    );
+    let config = folder.load("street.toml", &[]).unwrap();
+    assert_eq!((config.scene.builtin, config.gather.method), (Some(Builtin::Street), manylight::config::GatherMethod::LightCaches));
+    assert_ne!(folder.load("folder.toml", &[]).unwrap().vpls.count, 7);
+}
+
+#[test]
 fn a_key_displaces_what_it_excludes_in_a_base() {
     let camera = "[camera]\nposition = [0, 0, 0]\ntarget = [0, 0, 1]\nup = [0, 1, 0]\n";
     let path = "[[camera.keyframes]]\ntime = 0\nposition = [0, 0, 0]\ntarget = [0, 0, 2]\n";
