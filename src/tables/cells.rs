@@ -2,7 +2,7 @@
 
 use super::folders::{IMAGE, RECORD, TIMINGS, WALKS, is_done, read_json, reference_folder, run_folder};
 use super::plan::{Plan, Run};
-use super::{Against, Figure, Table, What};
+use super::{Against, Figure, Place, Stack, Table, What};
 use crate::fail;
 use crate::files::write_file;
 use crate::metrics::{self, ImageFile, LayerPair, Measures};
@@ -31,6 +31,10 @@ pub struct Cell {
     pub n: Option<u64>,
     /// The paper's figure.
     pub published: Option<f64>,
+    /// Shares that times are of the whole that the table names, of ours and of the paper's.
+    pub share: Option<f64>,
+    /// The same of the paper's times.
+    pub published_share: Option<f64>,
     /// Ratios of times to the cell that the table names, of ours and of the paper's.
     pub relative: Option<f64>,
     /// The same of the paper's times.
@@ -60,6 +64,11 @@ pub struct Results {
     pub complete: bool,
     /// The paper's hardware, scene and settings.
     pub published: Value,
+    /// Cells that shares and ratios are of, in words.
+    pub share_of: Option<String>,
+    pub relative_to: Option<String>,
+    /// Shares that make up a whole.
+    pub stacks: Vec<Stack>,
     pub deviations: Vec<String>,
     pub rows: Vec<String>,
     pub columns: Vec<String>,
@@ -87,16 +96,22 @@ pub fn results(table: &Table, plan: &Plan, folder: &Path) -> Result<Results> {
     for row in 0..table.rows.len() {
         cells.push((0..table.columns.len()).map(|column| source.cell(row, column)).collect::<Result<_>>()?);
     }
-    let values: Vec<Vec<Option<f64>>> = cells.iter().map(|row| row.iter().map(|cell| cell.value).collect()).collect();
-    if let Some(place) = table.relative_to {
-        for (row, column) in table.places().filter(|(row, column)| matches!(table.measure(*row, *column).what, What::Time { .. })) {
-            let (of_row, of_column) = place.from(row, column);
-            let over = |value: Option<f64>, base: Option<f64>| Some(value? / base.filter(|base| *base > 0.0)?);
-            cells[row][column].relative = over(values[row][column], values[of_row][of_column]);
-            let published = |row: usize, column: usize| table.published.as_ref().and_then(|published| published.figures[row][column]);
-            cells[row][column].published_relative = over(published(row, column), published(of_row, of_column));
-        }
+    // Times of ours and of the paper's, each over the time of another cell.
+    let over = |cells: &[Vec<Cell>], place: Option<Place>, (row, column): (usize, usize)| {
+        let (of_row, of_column) = place?.from(row, column);
+        let (cell, base) = (&cells[row][column], &cells[of_row][of_column]);
+        let ratio = |value: Option<f64>, base: Option<f64>| Some(value? / base.filter(|base| *base > 0.0)?);
+        let is_time = [cell, base].iter().all(|cell| cell.unit == "ms");
+        is_time.then(|| [ratio(cell.value, base.value), ratio(cell.published, base.published)])
+    };
+    for (row, column) in table.places() {
+        let shares = over(&cells, table.share_of, (row, column)).unwrap_or_default();
+        let ratios = over(&cells, table.relative_to, (row, column)).unwrap_or_default();
+        let cell = &mut cells[row][column];
+        [cell.share, cell.published_share] = shares;
+        [cell.relative, cell.published_relative] = ratios;
     }
+    let stacks = table.stacks(|row, column| [cells[row][column].share, cells[row][column].published_share]);
     let published = table.published.as_ref().map_or(
         Value::Null,
         |published| json!({ "hardware": published.hardware, "scene": published.scene, "settings": published.settings }),
@@ -125,6 +140,9 @@ pub fn results(table: &Table, plan: &Plan, folder: &Path) -> Result<Results> {
         sets: plan.sweep.sets.clone(),
         complete: plan.runs.iter().all(|run| is_done(folder, run)),
         published,
+        share_of: table.share_of.map(|place| table.named(place)),
+        relative_to: table.relative_to.map(|place| table.named(place)),
+        stacks,
         deviations: table.deviations.clone(),
         rows: table.rows.iter().map(|line| line.name.clone()).collect(),
         columns: table.columns.iter().map(|line| line.name.clone()).collect(),
@@ -186,6 +204,8 @@ impl Source<'_> {
             spread: None,
             n: None,
             published: self.table.published.as_ref().and_then(|published| published.figures[row][column]),
+            share: None,
+            published_share: None,
             relative: None,
             published_relative: None,
             run: None,

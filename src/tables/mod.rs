@@ -40,6 +40,8 @@ pub struct Table {
     pub columns: Vec<Line>,
     /// Measure of cells whose row and column have none.
     measure: Option<Measure>,
+    /// Cell whose time is the whole that other times are shares of: the frame.
+    share_of: Option<Place>,
     /// Cell whose time other times are also divided by.
     relative_to: Option<Place>,
     base: crate::config::Base,
@@ -58,6 +60,8 @@ pub struct Line {
     measure: Option<Measure>,
     /// Whether it is our own, and not in the paper.
     pub own: bool,
+    /// Whether its times are sums of other lines'.
+    sum: bool,
     origin: Origin,
 }
 
@@ -149,6 +153,24 @@ pub enum Against {
     Cell(Place),
 }
 
+/// A line of cells whose times are shares of one whole, such as the stages of a frame, as two stacked bars: ours and the paper's.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Stack {
+    /// The row or column.
+    pub name: String,
+    pub parts: Vec<Part>,
+}
+
+/// A part of a [`Stack`].
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Part {
+    /// The column or row.
+    pub name: String,
+    /// Of the whole, from 0 to 1.
+    pub share: Option<f64>,
+    pub published_share: Option<f64>,
+}
+
 /// A cell of the same table, by indices. An absent row or column is the referring cell's own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
@@ -168,6 +190,43 @@ impl Table {
     pub fn measure(&self, row: usize, column: usize) -> &Measure {
         let own = self.columns[column].measure.as_ref().or(self.rows[row].measure.as_ref());
         own.or(self.measure.as_ref()).unwrap_or_else(|| unreachable!("a table without a measure for a cell is refused"))
+    }
+
+    /// A cell that others refer to, in words.
+    fn named(&self, place: Place) -> String {
+        let row = place.row.map(|row| self.rows[row].name.as_str());
+        let column = place.column.map(|column| self.columns[column].name.as_str());
+        [row, column].into_iter().flatten().collect::<Vec<_>>().join(", ")
+    }
+
+    /// Bars whose parts are shares of the table's whole: a bar a row if the whole is a column, and the other way round. `shares` gives those of
+    /// a cell, ours and the paper's.
+    fn stacks(&self, shares: impl Fn(usize, usize) -> [Option<f64>; 2]) -> Vec<Stack> {
+        let across = match self.share_of {
+            Some(Place { row: Some(_), column: None }) => true,
+            Some(Place { row: None, column: Some(_) }) => false,
+            _ => return Vec::new(),
+        };
+        let (bars, parts) = if across { (&self.columns, &self.rows) } else { (&self.rows, &self.columns) };
+        let whole = self.share_of.and_then(|whole| if across { whole.row } else { whole.column });
+        let stack = |bar: usize| {
+            let place = |part: usize| if across { (part, bar) } else { (bar, part) };
+            let is_part = |part: &usize| {
+                let (row, column) = place(*part);
+                !parts[*part].own
+                    && !parts[*part].sum
+                    && Some(*part) != whole
+                    && matches!(self.measure(row, column).what, What::Time { .. })
+            };
+            let part = |part: usize| {
+                let (row, column) = place(part);
+                let [share, published_share] = shares(row, column);
+                Part { name: parts[part].name.clone(), share, published_share }
+            };
+            Stack { name: bars[bar].name.clone(), parts: (0..parts.len()).filter(is_part).map(part).collect() }
+        };
+        let stacks = (0..bars.len()).filter(|bar| !bars[*bar].own).map(stack);
+        stacks.filter(|stack| !stack.parts.is_empty()).collect()
     }
 
     /// Every cell's row and column, row by row.

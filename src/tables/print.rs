@@ -32,7 +32,13 @@ pub fn markdown(results: &Results) -> String {
         let _ = writeln!(text, "{about}\n");
     }
     for (i, row) in lines(results).iter().enumerate() {
-        let _ = writeln!(text, "| {} |", row.iter().map(|cell| escape(cell)).collect::<Vec<_>>().join(" | "));
+        // Lines under a row stand out by their slant, since Markdown knows no indentation.
+        let name = match row[0].strip_prefix(INDENT) {
+            Some(name) => format!("*{}*", escape(name)),
+            None => escape(&row[0]),
+        };
+        let cells: Vec<String> = std::iter::once(name).chain(row[1..].iter().map(|cell| escape(cell))).collect();
+        let _ = writeln!(text, "| {} |", cells.join(" | "));
         if i == 0 {
             let _ = writeln!(text, "|---|{}", "---:|".repeat(results.columns.len()));
         }
@@ -61,6 +67,8 @@ pub fn csv(results: &Results) -> Result<Vec<u8>> {
         "spread",
         "n",
         "published",
+        "share",
+        "published_share",
         "relative",
         "published_relative",
         "run",
@@ -87,7 +95,7 @@ pub fn csv(results: &Results) -> Result<Vec<u8>> {
                 number(cell.n.map(|n| n as f64)),
                 number(cell.published),
             ];
-            let ratios = [number(cell.relative), number(cell.published_relative)];
+            let ratios = [cell.share, cell.published_share, cell.relative, cell.published_relative].map(number);
             let [run, reference, why] = [&cell.run, &cell.reference, &cell.why].map(|text| text.clone().unwrap_or_default());
             let from = [results.scale.to_string(), results.quick.to_string(), results.timing_mode.clone().unwrap_or_default()];
             let record = own.into_iter().chain(numbers).chain(ratios).chain([run, reference, why]).chain(from);
@@ -104,37 +112,55 @@ fn heading(results: &Results) -> String {
     }
 }
 
-/// Names and cells, row by row; the first row holds the columns' names.
+/// What stands before the name of a line that belongs to the row above.
+const INDENT: &str = "  ";
+
+/// Names and cells, row by row; the first row holds the columns' names. Under a row stand its shares and ratios, and the paper's figures with
+/// theirs.
 fn lines(results: &Results) -> Vec<Vec<String>> {
     let mut lines = vec![std::iter::once(String::new()).chain(results.columns.iter().cloned()).collect::<Vec<_>>()];
     for (name, cells) in results.rows.iter().zip(&results.cells) {
-        lines.push(std::iter::once(name.clone()).chain(cells.iter().map(|cell| shown(cell, results.is_cpu()))).collect());
+        lines.push(std::iter::once(name.clone()).chain(cells.iter().map(ours)).collect());
+        let mut under = |name: String, figure: &dyn Fn(&Cell) -> Option<String>| {
+            let figures: Vec<Option<String>> = cells.iter().map(figure).collect();
+            if figures.iter().any(Option::is_some) {
+                let figures = figures.into_iter().map(Option::unwrap_or_default);
+                lines.push(std::iter::once(format!("{INDENT}{name}")).chain(figures).collect());
+            }
+        };
+        let share = results.share_of.as_ref().map_or_else(String::new, |whole| format!("share of {whole}"));
+        let over = results.relative_to.as_ref().map_or_else(String::new, |base| format!("over {base}"));
+        under(share.clone(), &|cell| cell.share.map(percent));
+        under(over.clone(), &|cell| cell.relative.map(|ratio| figure(ratio, "x")));
+        under("paper".to_owned(), &|cell| cell.published.map(|value| figure(value, cell.unit)));
+        under(format!("paper, {share}"), &|cell| cell.published_share.map(percent));
+        under(format!("paper, {over}"), &|cell| cell.published_relative.map(|ratio| figure(ratio, "x")));
     }
     lines
 }
 
+/// A share as text: 31.0 %.
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
 impl Results {
-    /// Whether times are a software driver's, which cannot be compared with a paper's.
-    pub fn is_cpu(&self) -> bool {
-        self.device.as_ref().is_some_and(|device| device.kind == "cpu")
+    /// Sizes of the runs' pictures, from the largest on: `1920x1080`.
+    fn sizes(&self) -> Vec<String> {
+        let size = |run: &serde_json::Value| Some([run["width"].as_u64()?, run["height"].as_u64()?]);
+        let mut sizes: Vec<[u64; 2]> = self.runs.values().filter_map(size).collect();
+        sizes.sort_unstable_by_key(|[width, height]| std::cmp::Reverse(width * height));
+        sizes.dedup();
+        sizes.into_iter().map(|[width, height]| format!("{width}x{height}")).collect()
     }
 }
 
-/// A cell with the paper's figure, if the two can be compared.
-fn shown(cell: &Cell, is_cpu: bool) -> String {
+/// Our figure of a cell.
+fn ours(cell: &Cell) -> String {
     let Some(value) = cell.value else { return "-".to_owned() };
     let mut text = figure(value, cell.unit);
     if let Some(spread) = cell.spread {
         let _ = write!(text, " ±{}", figure(spread, cell.unit));
-    }
-    if let Some(published) = cell.published.filter(|_| !(is_cpu && cell.unit == "ms")) {
-        let _ = write!(text, " (paper {})", figure(published, cell.unit));
-    }
-    if let Some(relative) = cell.relative {
-        let _ = write!(text, ", {}", figure(relative, "x"));
-        if let Some(published) = cell.published_relative {
-            let _ = write!(text, " (paper {})", figure(published, "x"));
-        }
     }
     text
 }
@@ -168,16 +194,14 @@ fn notes(results: &Results) -> Vec<String> {
     let mut notes = Vec::new();
     match &results.device {
         Some(device) => notes.push(format!(
-            "ours: {}, {}, {} timing, medians, manylight {}",
+            "ours: {}, {}; {}; {} timing, medians; manylight {}",
             device.label(),
             device.driver_label(),
+            results.sizes().join(", "),
             results.timing_mode.as_deref().unwrap_or("unknown"),
             results.version
         )),
         None => notes.push("ours: nothing has been run".to_owned()),
-    }
-    if results.is_cpu() {
-        notes.push("times are those of a software driver (cpu): only ratios stand beside the paper's".to_owned());
     }
     let counts: std::collections::BTreeSet<u64> =
         results.cells.iter().flatten().filter(|cell| cell.spread.is_some()).filter_map(|cell| cell.n).collect();
@@ -188,6 +212,9 @@ fn notes(results: &Results) -> Vec<String> {
     if !results.published.is_null() {
         let said = ["hardware", "scene", "settings"].iter().filter_map(|key| results.published[key].as_str()).collect::<Vec<_>>();
         notes.push(format!("paper: {}", said.join("; ")));
+        if results.cells.iter().flatten().any(|cell| cell.unit == "ms" && cell.published.is_some()) {
+            notes.push("times of ours and of the paper are of different hardware: hold shares and ratios against each other".to_owned());
+        }
     }
     if let Some([error, asked]) = results.reference_error {
         notes.push(format!(

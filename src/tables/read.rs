@@ -28,6 +28,7 @@ pub fn table(text: &str, path: &Path, scenes: Option<&Path>, stages: &[&str]) ->
         "set",
         "instead_of",
         "measure",
+        "share_of",
         "relative_to",
         "reference",
         "published",
@@ -46,8 +47,8 @@ pub fn table(text: &str, path: &Path, scenes: Option<&Path>, stages: &[&str]) ->
     let rows = lines(tree, "row", &root.origin, scenes, &mut stand_ins)?;
     let columns = lines(tree, "column", &root.origin, scenes, &mut stand_ins)?;
     let names = Names {
-        rows: rows.iter().map(|l| l.0.name.clone()).collect(),
-        columns: columns.iter().map(|l| l.0.name.clone()).collect(),
+        rows: rows.iter().map(|l| l.0.written.clone()).collect(),
+        columns: columns.iter().map(|l| l.0.written.clone()).collect(),
         stages,
     };
     let finish = |lines: Vec<(Line, Option<&Node>)>, path: &str| -> Result<Vec<Line>> {
@@ -59,6 +60,7 @@ pub fn table(text: &str, path: &Path, scenes: Option<&Path>, stages: &[&str]) ->
     };
     let (rows, columns) = (finish(rows, "row")?, finish(columns, "column")?);
     let measure = tree.get("measure").map(|node| measures::measure(node, "measure", &names)).transpose()?;
+    let share_of = tree.get("share_of").map(|node| place(node, "share_of", &names)).transpose()?;
     let relative_to = tree.get("relative_to").map(|node| place(node, "relative_to", &names)).transpose()?;
     let published = tree.get("published").map(|node| published(node, &rows, &columns)).transpose()?;
     let table = Table {
@@ -90,6 +92,7 @@ pub fn table(text: &str, path: &Path, scenes: Option<&Path>, stages: &[&str]) ->
         rows,
         columns,
         measure,
+        share_of,
         relative_to,
     };
     check_measures(&table)?;
@@ -142,20 +145,19 @@ fn lines<'n>(
     let mut lines: Vec<(Line, Option<&Node>)> = Vec::new();
     for (i, item) in items(node, key)?.iter().enumerate() {
         let path = format!("{key}.{i}");
-        let tree = section(item, &path, &["name", "set", "instead_of", "measure", "own"])?;
+        let tree = section(item, &path, &["name", "set", "instead_of", "measure", "own", "sum"])?;
         let Some(name) = tree.get("name") else { return Err(error(&item.origin, &path, "needs a name")) };
         let written = text_of(name, &join(&path, "name"))?.to_owned();
         let mut text = written.clone();
         if lines.iter().any(|(line, _)| line.written == text) {
             return Err(error(&name.origin, &join(&path, "name"), format_args!("{} is there twice", quoted(&text))));
         }
-        let own = match tree.get("own") {
-            None => false,
-            Some(Node { value: Value::Bool(own), .. }) => *own,
-            Some(node) => {
-                return Err(error(&node.origin, &join(&path, "own"), format_args!("expects true or false, found {}", node.found())));
-            }
+        let flag = |key: &str| match tree.get(key) {
+            None => Ok(false),
+            Some(Node { value: Value::Bool(flag), .. }) => Ok(*flag),
+            Some(node) => Err(error(&node.origin, &join(&path, key), format_args!("expects true or false, found {}", node.found()))),
         };
+        let (own, sum) = (flag("own")?, flag("sum")?);
         let mut set = tree.get("set").map(|node| partial(node, &join(&path, "set"))).transpose()?;
         if let Some(node) = tree.get("instead_of") {
             match original(node, &join(&path, "instead_of"), &text, scenes)? {
@@ -163,7 +165,7 @@ fn lines<'n>(
                 Err(absent) => stand_ins.push(absent),
             }
         }
-        lines.push((Line { name: text, written, set, measure: None, own, origin: item.origin.clone() }, tree.get("measure")));
+        lines.push((Line { name: text, written, set, measure: None, own, sum, origin: item.origin.clone() }, tree.get("measure")));
     }
     if lines.is_empty() {
         return Err(error(&node.origin, key, "is empty"));

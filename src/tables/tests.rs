@@ -18,14 +18,15 @@ title = "Small"
 source = "Somebody 2020, table 1"
 base = "cornell"
 set = { frame = { size = [64, 36], count = 2 } }
+share_of = { column = "frame" }
 relative_to = { row = "one" }
 deviations = ["another box"]
 
 [published]
 hardware = "a fast GPU"
 [published.figures]
-"one" = [40.0, 1.0]
-"four" = [10.0, "-"]
+"one" = [40.0, 50.0, 1.0]
+"four" = [10.0, 40.0, "-"]
 
 [[row]]
 name = "one"
@@ -38,6 +39,11 @@ set = { gather = { interleave = 4 } }
 [[column]]
 name = "gather"
 measure = { time = "gather" }
+
+[[column]]
+name = "frame"
+measure = { time = "frame" }
+sum = true
 
 [[column]]
 name = "speed-up"
@@ -62,7 +68,31 @@ fn every_table_that_comes_with_the_program_can_be_read_and_planned() {
         assert!(!plan.runs.is_empty(), "{name}");
         assert_eq!(plan.warnings, Vec::<String>::new(), "{name}");
         assert!(!presets::title(text).is_empty(), "{name}: says nothing of itself in manylight list");
+        let times = table.places().any(|(row, column)| {
+            let has_figure = table.published.as_ref().is_some_and(|published| published.figures[row][column].is_some());
+            has_figure && matches!(table.measure(row, column).what, What::Time { .. })
+        });
+        assert!(
+            !times || table.share_of.is_some() || table.relative_to.is_some(),
+            "{name}: a paper's times mean something as shares alone"
+        );
     }
+}
+
+#[test]
+fn a_bar_has_neither_the_whole_nor_sums_nor_our_own_lines() {
+    let parts = |name: &str| {
+        let text = presets::tables().into_iter().find(|(known, _)| *known == name).unwrap().1;
+        let table = read(text, &Path::new(name).with_extension("toml"), None).unwrap();
+        let stacks = table.stacks(|_, _| [None; 2]).into_iter();
+        stacks.map(|stack| (stack.name, stack.parts.into_iter().map(|part| part.name).collect::<Vec<_>>())).collect::<Vec<_>>()
+    };
+    let expected = ["PL 1", "PL 2", "PL 3", "PL > 3", "PS > 2", "PS 2", "PS 1", "PS 0"].map(str::to_owned).to_vec();
+    assert_eq!(parts("linke-5.4"), [("pull-push".to_owned(), expected)]);
+    let stages = ["G-buffer", "Misc", "Paraboloid", "Shade"].map(str::to_owned).to_vec();
+    let clusters = [4, 8, 16, 32].map(|count| (format!("{count} clusters"), stages.clone()));
+    assert_eq!(parts("ssvp-1"), clusters);
+    assert_eq!(parts("barak-2"), [], "ratios make no whole");
 }
 
 #[test]
@@ -72,7 +102,7 @@ fn cells_of_the_same_config_share_a_run() {
     assert_eq!(runs.len(), 2, "{runs:?}");
     assert_eq!((runs[0].0, runs[1].0), ("one", "four"));
     assert_eq!(runs[1].1, [("gather.interleave".to_owned(), "4".to_owned())].into(), "only what differs is said");
-    assert_eq!(plan.run(1, 0).key, plan.run(1, 2).key);
+    assert_eq!(plan.run(1, 0).key, plan.run(1, 3).key);
     assert_ne!(plan.run(0, 0).key, plan.run(1, 0).key);
 }
 
@@ -104,29 +134,49 @@ fn leave(folder: &Path, plan: &Plan, run: usize, gather: f64, kind: &str) {
 }
 
 #[test]
-fn cells_come_from_the_folders_of_runs_and_papers_times_stand_beside_a_gpus_alone() {
+fn cells_come_from_the_folders_of_runs_with_the_papers_and_both_as_shares_and_ratios_on_every_device() {
     let (table, folder) = (small(), tempfile::tempdir().unwrap());
     let plan = Plan::of(&table, &Sweep::default()).unwrap();
     let results = cells::results(&table, &plan, folder.path()).unwrap();
     assert!(!results.complete && results.cells.iter().flatten().all(|cell| cell.value.is_none() && cell.why.is_some()));
-    for (kind, shown) in [("gpu", true), ("cpu", false)] {
+    for kind in ["gpu", "cpu"] {
         leave(folder.path(), &plan, 0, 30.0, kind);
         leave(folder.path(), &plan, 1, 2.0, kind);
         let results = cells::results(&table, &plan, folder.path()).unwrap();
         assert!(results.complete);
         let value = |row: usize, column: usize| results.cells[row][column].value.unwrap();
-        assert_eq!((value(0, 0), value(1, 0), value(1, 1), value(0, 2)), (30.0, 2.0, 15.0, 0.0));
-        assert!((value(1, 2) - 1.0 / 0.01).abs() < 1e-6, "(1 - 0)^2 over 0 and relMSE's constant");
+        assert_eq!((value(0, 0), value(1, 0), value(1, 1), value(1, 2), value(0, 3)), (30.0, 2.0, 4.0, 15.0, 0.0));
+        assert!((value(1, 3) - 1.0 / 0.01).abs() < 1e-6, "(1 - 0)^2 over 0 and relMSE's constant");
         let cell = &results.cells[1][0];
+        assert_eq!((cell.share, cell.published_share), (Some(0.5), Some(0.25)));
         assert_eq!((cell.relative, cell.published_relative, cell.published), (Some(2.0 / 30.0), Some(0.25), Some(10.0)));
-        for text in [print::text(&results), print::markdown(&results)] {
-            assert_eq!(text.contains("(paper 40 ms)"), shown, "{text}");
-            assert!(text.contains("(paper 0.250x)") && text.contains("15x") && text.contains("another box"), "{text}");
+        assert_eq!(results.cells[1][2].share, None, "a ratio is no share of a time");
+        let parts = |stack: &super::Stack| stack.parts.iter().map(|part| (part.name.clone(), part.share, part.published_share)).collect();
+        let stacks: Vec<(&str, Vec<_>)> = results.stacks.iter().map(|stack| (stack.name.as_str(), parts(stack))).collect();
+        let gather = |paper| vec![("gather".to_owned(), Some(0.5), Some(paper))];
+        assert_eq!(stacks, [("one", gather(0.8)), ("four", gather(0.25))], "the sum and our own column are no parts");
+        let text = print::text(&results);
+        let under = |name: &str| text.lines().filter(|line| line.starts_with(name)).map(str::to_owned).collect::<Vec<_>>();
+        for (name, figures) in [
+            ("four", &["2 ms", "4 ms", "15x"][..]),
+            ("  share of frame", &["50.0 %", "100.0 %"]),
+            ("  over one", &["0.0667x", "0.0667x"]),
+            ("  paper  ", &["10 ms", "40 ms"]),
+            ("  paper, share of frame", &["25.0 %", "100.0 %"]),
+            ("  paper, over one", &["0.250x", "0.800x"]),
+        ] {
+            let lines = under(name);
+            let last = lines.last().unwrap_or_else(|| panic!("{name}: {text}"));
+            assert!(figures.iter().all(|figure| last.contains(figure)), "{name}: {text}");
         }
+        assert!(text.contains("64x36") && text.contains("another box") && text.contains("different hardware"), "{text}");
+        let markdown = print::markdown(&results);
+        assert!(markdown.contains("| *paper, share of frame* | 25.0 % | 100.0 % |"), "{markdown}");
         results.write(folder.path()).unwrap();
         let csv = std::fs::read_to_string(folder.path().join("table.csv")).unwrap();
-        assert_eq!(csv.lines().count(), 7);
+        assert_eq!(csv.lines().count(), 9);
         assert!(csv.contains("small,four,speed-up,ratio,x,15,,,,,,"), "{csv}");
+        assert!(csv.contains("small,four,gather,time of gather,ms,2,2,2,,2,10,0.5,0.25,"), "{csv}");
     }
 }
 
@@ -144,10 +194,10 @@ fn a_mean_of_seeds_has_a_run_a_seed_their_spread_and_one_truth() {
     // Runs' pictures are as bright as their numbers, so each seed is off by 3 from the other row's.
     (0..5).for_each(|run| leave(folder.path(), &plan, run, 1.0, "gpu"));
     let results = cells::results(&table, &plan, folder.path()).unwrap();
-    assert_eq!(results.cells[1][2].why.as_deref(), Some("seed 2: its run is missing"));
+    assert_eq!(results.cells[1][3].why.as_deref(), Some("seed 2: its run is missing"));
     leave(folder.path(), &plan, 5, 1.0, "gpu");
     let results = cells::results(&table, &plan, folder.path()).unwrap();
-    let cell = &results.cells[1][2];
+    let cell = &results.cells[1][3];
     let values = [0.0_f64, 1.0, 2.0].map(|r| 9.0 / (r * r + 0.01));
     let mean = values.iter().sum::<f64>() / 3.0;
     let spread = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 2.0).sqrt();
@@ -163,12 +213,12 @@ fn seeds_share_the_picture_that_they_are_measured_against_if_it_has_none_of_its_
         + "\n[[column]]\nname = \"truth\"\nmeasure = { count = \"vpls/count\" }\nown = true\n";
     let (table, folder) = (read(&text, Path::new("small.toml"), None).unwrap(), tempfile::tempdir().unwrap());
     let plan = Plan::of(&table, &Sweep::default()).unwrap();
-    assert!((0..3).all(|seed| plan.seed(0, 3, seed).config.frame.seed == 0), "the truth has several seeds");
+    assert!((0..3).all(|seed| plan.seed(0, 4, seed).config.frame.seed == 0), "the truth has several seeds");
     (0..plan.runs.len()).for_each(|run| leave(folder.path(), &plan, run, 1.0, "gpu"));
     let results = cells::results(&table, &plan, folder.path()).unwrap();
     // Runs' pictures are as bright as their numbers: the first row's are 0, 1 and 2, and the second row's 3, 4 and 5.
     let mean = [3.0_f64, 4.0, 5.0].map(|bright| bright.powi(2) / 0.01).iter().sum::<f64>() / 3.0;
-    let found = results.cells[1][2].value.unwrap();
+    let found = results.cells[1][3].value.unwrap();
     assert!((found / mean - 1.0).abs() < 1e-3, "{found} instead of {mean}");
 }
 
@@ -229,7 +279,7 @@ fn mistakes_are_refused_by_file_line_and_key() {
             "base = \"cornel\"",
             "small.toml:4: base: \"cornel\" is neither a preset nor a file; did you mean \"cornell\"?",
         ),
-        ("relative_to", "relativ_to", "small.toml:6: relativ_to: unknown key; did you mean \"relative_to\"?"),
+        ("relative_to", "relativ_to", "small.toml:7: relativ_to: unknown key; did you mean \"relative_to\"?"),
         (
             "relative_to = { row = \"one\" }",
             "relative_to = { row = \"on\" }",
@@ -252,10 +302,16 @@ fn mistakes_are_refused_by_file_line_and_key() {
         (
             "error = \"relmse\"",
             "error = \"relms\"",
-            "column.2.measure.error: expects one of rmse, mae, relmse, energy, worst, flip, found \"relms\"; did you mean \"relmse\"?",
+            "column.3.measure.error: expects one of rmse, mae, relmse, energy, worst, flip, found \"relms\"; did you mean \"relmse\"?",
         ),
-        ("against = { row = \"one\" }", "against = \"truth\"", "column.2.measure.against: expects \"reference\" or a cell"),
+        ("against = { row = \"one\" }", "against = \"truth\"", "column.3.measure.against: expects \"reference\" or a cell"),
         ("over = { column = \"gather\" }", "over = { column = \"speed-up\" }", "comes back to itself"),
+        (
+            "share_of = { column = \"frame\" }",
+            "share_of = { column = \"fram\" }",
+            "share_of.column: there is no column \"fram\"; did you mean",
+        ),
+        ("sum = true", "sum = 1", "column.1.sum: expects true or false"),
         ("measure = { time = \"gather\" }", "", "column.0: its cells measure nothing"),
         ("measure = { time = \"gather\" }", "measure = { time = \"gather\", count = \"a\" }", "measures time and count at once"),
         ("measure = { time = \"gather\" }", "measure = { flicker = \"irradianc\" }", "did you mean irradiance?"),
@@ -263,7 +319,7 @@ fn mistakes_are_refused_by_file_line_and_key() {
         (
             "against = { row = \"one\" } }",
             "against = { row = \"one\" }, seeds = 1 }",
-            "column.2.measure.seeds: expects a whole number from 2 to 1024, found the whole number 1",
+            "column.3.measure.seeds: expects a whole number from 2 to 1024, found the whole number 1",
         ),
     ];
     for (from, to, expected) in cases {
@@ -279,9 +335,9 @@ fn mistakes_are_refused_by_file_line_and_key() {
         (
             "gather = { interleave = 4 }",
             "gather = { interleaf = 4 }",
-            "small.toml:21: gather.interleaf: unknown key; did you mean \"interleave\"?",
+            "small.toml:22: gather.interleaf: unknown key; did you mean \"interleave\"?",
         ),
-        ("gather = { interleave = 4 }", "gather = { interleave = 3 }", "small.toml:21: gather.interleave: 3 is out of range"),
+        ("gather = { interleave = 4 }", "gather = { interleave = 3 }", "small.toml:22: gather.interleave: 3 is out of range"),
         ("gather = { interleave = 4 }", "scene = { file = \"none.glb\" }", "none.glb does not exist"),
     ];
     for (from, to, expected) in cells {
@@ -302,7 +358,7 @@ fn a_view_takes_its_stand_ins_place_where_its_scene_is() {
     };
     let folder = tempfile::tempdir().unwrap();
     for (table, says) in [(of(None), "--scenes"), (of(Some(folder.path())), "sibenik.glb is not there")] {
-        assert_eq!(table.columns[2].name, "error");
+        assert_eq!(table.columns[3].name, "error");
         assert!(
             table.deviations[1].starts_with("error is rendered in place of Sibenik") && table.deviations[1].contains(says),
             "{:?}",
@@ -314,18 +370,18 @@ fn a_view_takes_its_stand_ins_place_where_its_scene_is() {
     std::fs::write(&file, "").unwrap();
     let table = of(Some(folder.path()));
     let runs = scenes(&table);
-    assert_eq!((table.columns[2].name.as_str(), table.deviations.len()), ("Sibenik", 1));
+    assert_eq!((table.columns[3].name.as_str(), table.deviations.len()), ("Sibenik", 1));
     assert_eq!(runs, [None, Some(file.clone()), None, Some(file)]);
     // Of several views the first whose scene is there.
     let several = |list: &str| {
         let text = text.replace("\"sibenik\"", list);
         read(&text, Path::new("small.toml"), Some(folder.path()))
-            .map(|table| table.columns[2].name.clone())
+            .map(|table| table.columns[3].name.clone())
             .map_err(|error| format!("{error:#}"))
     };
     assert_eq!(several("[\"conference\", \"sibenik\", \"museum-hall\"]").unwrap(), "Sibenik");
     assert_eq!(several("[\"conference\", \"museum-hall\"]").unwrap(), "error");
-    assert!(several("[]").unwrap_err().contains("column.2.instead_of: is empty"));
+    assert!(several("[]").unwrap_err().contains("column.3.instead_of: is empty"));
     let wrong = text.replace("\"sibenik\"", "\"sibenic\"");
     let error = format!("{:#}", read(&wrong, Path::new("small.toml"), None).err().unwrap());
     assert!(error.contains("did you mean \"sibenik\"?"), "{error}");

@@ -10,6 +10,7 @@ use super::plot::{self, Line};
 use super::provenance::{Origins, origins, parts};
 use super::record::RecordView;
 use super::set::{Member, RunView, SetView, set_view};
+use super::stacks::{self, Stacks};
 use super::stages::{StageTable, stage_table};
 use super::table_view::{self, TableView};
 use crate::metrics::LayerPair;
@@ -26,6 +27,8 @@ pub struct GroupView {
     pub source: Option<String>,
     pub about: Option<String>,
     pub table: Option<TableView>,
+    /// Shares of the table's whole.
+    pub stacks: Option<Stacks>,
     /// Notes on the table.
     pub table_notes: Vec<String>,
     /// Keys of the table's runs, and their anchors on the page.
@@ -109,6 +112,7 @@ impl<'l> Builder<'l> {
             about: group.table.as_ref().and_then(|table| table.about.clone()),
             table_notes: group.table.iter().zip(&table).flat_map(|(file, view)| table_view::notes(file, view, &group.runs)).collect(),
             table,
+            stacks: group.table.as_ref().and_then(stacks::stacks),
             targets: group.runs.iter().zip(&runs).map(|(run, view)| (run.key(), view.id.clone())).collect(),
             keys: keys::differing(&group.runs),
             runs,

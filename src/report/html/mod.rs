@@ -17,6 +17,7 @@ mod plot;
 mod provenance;
 mod record;
 mod set;
+mod stacks;
 mod stages;
 mod table;
 mod table_view;

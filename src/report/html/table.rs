@@ -2,6 +2,7 @@
 
 use crate::fail;
 use crate::report::Device;
+use crate::tables::Stack;
 use anyhow::Result;
 use serde::Deserialize;
 use serde_json::Value;
@@ -33,6 +34,14 @@ pub struct TableFile {
     pub complete: bool,
     #[serde(default)]
     pub published: Option<Published>,
+    /// What shares and ratios are of.
+    #[serde(default)]
+    pub share_of: Option<String>,
+    #[serde(default)]
+    pub relative_to: Option<String>,
+    /// Shares that make up a whole.
+    #[serde(default)]
+    pub stacks: Vec<Stack>,
     /// Differences of our runs from the paper's.
     #[serde(default)]
     pub deviations: Vec<String>,
@@ -93,6 +102,9 @@ pub struct Cell {
     /// Number of frames of a time, or of the seeds of a mean.
     pub n: Option<usize>,
     pub published: Option<f64>,
+    /// Share that a time is of the table's whole.
+    pub share: Option<f64>,
+    pub published_share: Option<f64>,
     /// The value over the table's base value.
     pub relative: Option<f64>,
     pub published_relative: Option<f64>,
@@ -122,10 +134,5 @@ impl TableFile {
     /// Key of the reference for a run's figures, if the table names it.
     pub fn reference_of(&self, run: &str) -> Option<&str> {
         self.cells.iter().flatten().filter(|cell| cell.run.as_deref() == Some(run)).find_map(|cell| cell.reference.as_deref())
-    }
-
-    /// Whether published times may be shown beside ours. A GPU's times are not comparable to a CPU's; only ratios are.
-    pub fn compares_times(&self) -> bool {
-        self.device.kind != "cpu"
     }
 }

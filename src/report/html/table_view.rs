@@ -15,10 +15,10 @@ pub struct TableView {
     pub whys: Vec<String>,
     /// Whether there are ratios to the table's base.
     pub has_relative: bool,
-    /// Whether published figures are shown.
-    pub has_published: bool,
-    /// Whether published times are left out.
-    pub hides_times: bool,
+    /// Whether there are shares of the table's whole.
+    pub has_shares: bool,
+    /// Whether there are published times.
+    pub has_published_times: bool,
     /// `median of 5 frames` for tables with times.
     pub frames: Option<String>,
 }
@@ -45,6 +45,8 @@ pub struct CellView {
     pub unit: String,
     pub range: Option<String>,
     pub paper: Option<String>,
+    pub share: Option<String>,
+    pub paper_share: Option<String>,
     pub relative: Option<String>,
     pub paper_relative: Option<String>,
     /// Index of the reason in [`TableView::whys`], from 1.
@@ -53,9 +55,8 @@ pub struct CellView {
     pub run: Option<String>,
 }
 
-/// Lays out a table, without figures that must not be compared.
+/// Lays out a table.
 pub fn view(table: &TableFile) -> TableView {
-    let times = table.compares_times();
     let column = |at: usize| table.cells.iter().map(move |row| &row[at]);
     let label = |unit: &str| match unit {
         "ms" => format!("ms, {}", table.device.kind),
@@ -94,7 +95,9 @@ pub fn view(table: &TableFile) -> TableView {
                     Some(spread) => Some(format!("±{}", numbers::short(spread))),
                     None => text(2, cell.p5).zip(text(3, cell.p95)).map(|(low, high)| format!("{low}–{high}")),
                 },
-                paper: text(1, cell.published).filter(|_| times || cell.unit != "ms"),
+                paper: text(1, cell.published),
+                share: cell.share.map(numbers::percent),
+                paper_share: cell.published_share.map(numbers::percent),
                 relative: cell.relative.map(numbers::short),
                 paper_relative: cell.published_relative.map(numbers::short),
                 why,
@@ -105,8 +108,8 @@ pub fn view(table: &TableFile) -> TableView {
     let cells = || table.cells.iter().flatten();
     TableView {
         has_relative: cells().any(|cell| cell.relative.is_some() || cell.published_relative.is_some()),
-        has_published: rows.iter().flat_map(|row| &row.cells).any(|cell| cell.paper.is_some() || cell.paper_relative.is_some()),
-        hides_times: !times && cells().any(|cell| cell.unit == "ms" && cell.published.is_some()),
+        has_shares: cells().any(|cell| cell.share.is_some() || cell.published_share.is_some()),
+        has_published_times: cells().any(|cell| cell.unit == "ms" && cell.published.is_some()),
         frames: frames(cells().filter(|cell| cell.spread.is_none()).filter_map(|cell| cell.n)),
         columns,
         rows,
@@ -127,8 +130,12 @@ pub fn notes(table: &TableFile, view: &TableView, runs: &[Run]) -> Vec<String> {
         how.push(format!("Run at {} of the published size.", numbers::short(table.scale)));
     }
     how.extend(view.frames.as_ref().map(|frames| format!("Times are the {frames}.")));
+    let of = |base: &Option<String>| base.as_deref().unwrap_or("the table's base").to_owned();
+    if view.has_shares {
+        how.push(format!("n % is a time's share of {}.", of(&table.share_of)));
+    }
     if view.has_relative {
-        how.push("n× is a figure over that of the table's base.".to_owned());
+        how.push(format!("n× is a time over that of {}.", of(&table.relative_to)));
     }
     let published = table.published.as_ref();
     let facts = published.map(|published| [&published.hardware, &published.scene, &published.settings]);
@@ -137,8 +144,8 @@ pub fn notes(table: &TableFile, view: &TableView, runs: &[Run]) -> Vec<String> {
     if !facts.is_empty() {
         paper.push(format!("The paper's figures are of {}.", facts.join("; ")));
     }
-    if view.hides_times {
-        paper.push("Its times say nothing about those of a CPU and are left out; ratios stand beside ours.".to_owned());
+    if view.has_published_times {
+        paper.push("Times of ours and of the paper are of different hardware: hold shares and ratios against each other.".to_owned());
     }
     let deviations = if table.deviations.is_empty() { String::new() } else { format!("Ours differs: {}.", table.deviations.join("; ")) };
     let notes = [origin(table, runs), how.join(" "), paper.join(" "), deviations];
@@ -178,7 +185,7 @@ mod tests {
             "rows": ["1x1", "4x4"], "columns": ["gather", "speed-up", "memory"],
             "cells": [
                 [
-                    { "unit": "ms", "value": 412.04, "p5": 400, "p95": 431.96, "n": 5, "published": 40.24, "relative": 1, "published_relative": 1 },
+                    { "unit": "ms", "value": 412.04, "p5": 400, "p95": 431.96, "n": 5, "published": 40.24, "share": 0.5, "published_share": 0.25, "relative": 1, "published_relative": 1 },
                     { "unit": "x", "value": 1.0, "published": 1.0 },
                     { "unit": "bytes", "value": 1048576, "published": 2097152 },
                 ],
@@ -193,24 +200,18 @@ mod tests {
     }
 
     #[test]
-    fn a_cpu_has_no_published_times_beside_its_own_but_ratios() {
-        let view = view(&table("cpu"));
-        let papers = |row: usize| view.rows[row].cells.iter().map(|cell| cell.paper.as_deref()).collect::<Vec<_>>();
-        assert_eq!(papers(0), [None, Some("1.00"), Some("2.00 MiB")]);
-        assert_eq!(papers(1), [None, Some("2.00"), None]);
-        assert_eq!(view.rows[1].cells[0].paper_relative.as_deref(), Some("0.500"));
-        assert_eq!(view.columns[0].unit, "ms, cpu");
-        assert!(view.hides_times && view.has_published && view.has_relative);
-        assert!(!serde_json::to_string(&view).unwrap().contains("40.2"), "not even hidden");
-    }
-
-    #[test]
-    fn a_gpu_has_them() {
-        let view = view(&table("gpu"));
-        assert_eq!(view.rows[0].cells[0].paper.as_deref(), Some("40.2"));
-        assert_eq!(view.rows[1].cells[0].paper.as_deref(), Some("20.1"));
-        assert_eq!(view.columns[0].unit, "ms, gpu");
-        assert!(!view.hides_times);
+    fn every_device_has_the_papers_figures_beside_its_own_with_shares_and_ratios_of_both() {
+        for kind in ["cpu", "gpu"] {
+            let view = view(&table(kind));
+            let papers = |row: usize| view.rows[row].cells.iter().map(|cell| cell.paper.as_deref()).collect::<Vec<_>>();
+            assert_eq!(papers(0), [Some("40.2"), Some("1.00"), Some("2.00 MiB")]);
+            assert_eq!(papers(1), [Some("20.1"), Some("2.00"), None]);
+            let [first, second] = [&view.rows[0].cells[0], &view.rows[1].cells[0]];
+            assert_eq!((first.share.as_deref(), first.paper_share.as_deref()), (Some("50.0 %"), Some("25.0 %")));
+            assert_eq!((second.relative.as_deref(), second.paper_relative.as_deref()), (None, Some("0.500")));
+            assert_eq!(view.columns[0].unit, format!("ms, {kind}"));
+            assert!(view.has_published_times && view.has_shares && view.has_relative);
+        }
     }
 
     #[test]
@@ -231,6 +232,7 @@ mod tests {
         table.deviations = vec!["another scene".to_owned()];
         table.published = Some(Published { hardware: Some("a GPU".to_owned()), scene: None, settings: Some("1024 VPLs".to_owned()) });
         (table.scale, table.quick, table.complete) = (0.5, true, false);
+        (table.share_of, table.relative_to) = (Some("the frame".to_owned()), Some("1x1".to_owned()));
         let notes = notes(&table, &view(&table), &[run("a"), run("b")]);
         assert_eq!(notes[0], "d [cpu], e 1; isolated timing; 960 × 540 pixels; preset first-light; manylight 0.1.0.");
         let text = notes.join("\n");
@@ -240,7 +242,9 @@ mod tests {
             "0.500 of the published size",
             "5 frames",
             "a GPU; 1024 VPLs",
-            "left out",
+            "different hardware",
+            "share of the frame",
+            "over that of 1x1",
             "Ours differs: another scene.",
         ] {
             assert!(text.contains(part), "{part}: {text}");
