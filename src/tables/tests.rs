@@ -283,14 +283,14 @@ fn mistakes_are_refused_by_file_line_and_key() {
         (
             "relative_to = { row = \"one\" }",
             "relative_to = { row = \"on\" }",
-            "small.toml:6: relative_to.row: there is no row \"on\"; did you mean \"one\"?",
+            "small.toml:7: relative_to.row: there is no row \"on\"; did you mean \"one\"?",
         ),
-        ("\"four\" = [10.0, \"-\"]", "\"four\" = [10.0]", "small.toml:13: published.figures.four: has 1 figures for 2 columns"),
-        ("\"four\" = [10.0, \"-\"]", "", "published.figures.four: is missing"),
+        ("\"four\" = [10.0, 40.0, \"-\"]", "\"four\" = [10.0]", "small.toml:14: published.figures.four: has 1 figures for 3 columns"),
+        ("\"four\" = [10.0, 40.0, \"-\"]", "", "published.figures.four: is missing"),
         (
-            "\"four\" = [10.0, \"-\"]",
-            "\"five\" = [10.0, \"-\"]",
-            "small.toml:13: published.figures.five: unknown key; known here are one, four",
+            "\"four\" = [10.0, 40.0, \"-\"]",
+            "\"five\" = [10.0, 40.0, \"-\"]",
+            "small.toml:14: published.figures.five: unknown key; known here are one, four",
         ),
         ("name = \"four\"", "name = \"one\"", "row.1.name: \"one\" is there twice"),
         (
