@@ -40,7 +40,8 @@ pub fn frame(g: &mut Graph, world: &World, residents: &Residents, shot: &Shot, c
     let visible = ssao::occlusion(g, &gbuffer, &config.ssao);
     let sky_light = sky::light(g, around, &sky, bounces.len() as u32 + 1, config);
     let sky_light = filter::smooth_sky(g, &gbuffer, sky_light, &config.filter);
-    let direct = direct::shade(g, around, sky_light, &config.direct);
+    let shadow_maps = direct::shadow_maps(g, scene, &rsm, &shot.lighting.shadow_projectors, config);
+    let direct = direct::shade(g, around, &shadow_maps, sky_light, &config.direct);
     let light = Light { direct, indirect, visible };
     let composed = compose::sum(g, &gbuffer, light, vpls.as_ref(), &sky, &config.compose);
     Frame { gbuffer, irradiance: indirect.irradiance, direct, composed }

@@ -1,4 +1,4 @@
-// Shadows from reflective shadow maps. An includer defines
+// Shadows from shadow maps. An includer defines
 //     float shadow(Light light, uint layer, vec2 uv, float distance);
 // the share of light that arrives at a distance along the map's axis.
 float shadow(Light light, uint layer, vec2 uv, float distance);

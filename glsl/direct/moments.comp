@@ -12,7 +12,7 @@ layout(scalar, push_constant) uniform Params {
 } params;
 
 layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
-uniform sampler2DArray rsm_depth;
+uniform sampler2DArray shadow_depth;
 layout(rg32f) writeonly uniform image2DArray moments;
 
 void main() {
@@ -23,7 +23,7 @@ void main() {
     for (int offset = -params.radius; offset <= params.radius; offset++) {
         int x = clamp(texel.x + offset, 0, params.size.x - 1);
         // An empty texel gets a distance beyond all surfaces.
-        float depth = max(texelFetch(rsm_depth, ivec3(x, texel.yz), 0).r, light.kind == DIRECTIONAL ? 0.0 : 1e-4);
+        float depth = max(texelFetch(shadow_depth, ivec3(x, texel.yz), 0).r, light.kind == DIRECTIONAL ? 0.0 : 1e-4);
         float distance = light_distance(light, depth);
         sum += vec2(distance, distance * distance);
     }

@@ -1,7 +1,7 @@
 // Shadows by percentage-closer filtering (Reeves et al. 1987) over a window of 2 radius + 1 texels.
 #include "direct/in-map.glsl"
 
-uniform sampler2DArray rsm_depth;
+uniform sampler2DArray shadow_depth;
 
 float shadow(Light light, uint layer, vec2 uv, float distance) {
     vec2 center = uv * vec2(params.map_size);
@@ -14,7 +14,7 @@ float shadow(Light light, uint layer, vec2 uv, float distance) {
             vec2 covered = min(vec2(x, y) + 1.0, center + reach) - max(vec2(x, y), center - reach);
             float weight = covered.x * covered.y;
             ivec2 texel = clamp(ivec2(x, y), ivec2(0), params.map_size - 1);
-            float depth = texelFetch(rsm_depth, ivec3(texel, layer), 0).r;
+            float depth = texelFetch(shadow_depth, ivec3(texel, layer), 0).r;
             bool open = depth <= 0.0 || distance <= light_distance(light, depth);
             lit += open ? weight : 0.0;
             total += weight;

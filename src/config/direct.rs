@@ -2,6 +2,7 @@
 
 use super::Config;
 use super::unused::Unused;
+use super::values::Size;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -16,11 +17,16 @@ pub struct DirectConfig {
     /// Filter radius of the shadow map, texels.
     #[schemars(range(max = 8))]
     pub blur: u32,
+    /// Width and height of a light's shadow map, texels. It covers all of the scene, whatever `rsm.box` is. Without a size, reflective shadow
+    /// maps are the shadow maps.
+    #[schemars(with = "Size<8192>", extend("x-default" = "none"))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_size: Option<[u32; 2]>,
 }
 
 impl Default for DirectConfig {
     fn default() -> Self {
-        Self { shadows: Shadows::Variance, bias: 0.005, blur: 1 }
+        Self { shadows: Shadows::Variance, bias: 0.005, blur: 1, map_size: None }
     }
 }
 
@@ -39,11 +45,18 @@ pub enum Shadows {
     None,
 }
 
+impl Config {
+    /// Size of the shadow maps that are apart from the reflective ones, if there are any.
+    pub fn shadow_map_size(&self) -> Option<[u32; 2]> {
+        self.direct.map_size.filter(|_| matches!(self.direct.shadows, Shadows::Variance | Shadows::PercentageCloser))
+    }
+}
+
 impl DirectConfig {
     /// Keys that are not used.
     pub(super) fn unused(config: &Config) -> Vec<Unused> {
         (matches!(config.direct.shadows, Shadows::RayTraced | Shadows::None))
-            .then(|| Unused::new(&["direct.bias", "direct.blur"], &["direct.shadows"]))
+            .then(|| Unused::new(&["direct.bias", "direct.blur", "direct.map_size"], &["direct.shadows"]))
             .into_iter()
             .collect()
     }

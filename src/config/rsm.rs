@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RsmConfig {
-    /// Width and height of a light's map, texels. Direct light is shadowed by this map too, unless `direct.shadows` is `"ray-traced"` or
-    /// `"none"`.
+    /// Width and height of a light's map, texels. Direct light is shadowed by this map too, unless `direct.map_size` gives it one of its own or
+    /// `direct.shadows` is `"ray-traced"` or `"none"`.
     #[schemars(with = "Size<8192>")]
     pub size: [u32; 2],
     #[serde(rename = "box", skip_serializing_if = "Option::is_none")]

@@ -1,13 +1,17 @@
-//! Direct light, with shadows from the depth of the reflective shadow maps, or from rays.
+//! Direct light, with shadows from the depth of the reflective shadow maps, from maps of its own, or from rays.
 
+use super::facts::Facts;
 use super::gather::Indirect;
 use super::methods::{Choice, NOTHING, Needs};
-use super::rsm::Rsm;
+use super::rsm::{self, Rsm};
 use super::surroundings::Surroundings;
-use crate::config::{Dielectric, DirectConfig, Shadows};
+use crate::config::{Config, Dielectric, DirectConfig, Shadows};
 use crate::gpu::{Feature, Format, Sampler};
-use crate::graph::{Graph, Image};
+use crate::graph::{Buffer, Graph, Image};
 use crate::shader_struct;
+use crate::world::device::{FrameScene, Maps};
+use crate::world::projection::Projector;
+use anyhow::Result;
 
 shader_struct! {
     struct ShadeParams {
@@ -35,20 +39,59 @@ impl Choice for Shadows {
     }
 }
 
+/// What the lights see, as layers of an image: the depth of reflective shadow maps, or maps of their own.
+#[derive(Debug, Clone, Copy)]
+pub struct ShadowMaps {
+    /// The projectors, one a layer.
+    lights: Buffer,
+    layers: u32,
+    size: [u32; 2],
+    depth: Image,
+}
+
+/// Refuses maps larger than the device's limits.
+pub fn check(config: &Config, facts: &Facts) -> Result<()> {
+    config.shadow_map_size().map_or(Ok(()), |size| rsm::check_size("direct.map_size", size, facts))
+}
+
+/// The maps that shadow direct light: those of `projectors` if there are any, drawn with nothing but depth, else the reflective ones.
+pub fn shadow_maps(g: &mut Graph, scene: FrameScene<'_>, rsm: &Rsm, projectors: &[Projector], config: &Config) -> ShadowMaps {
+    let Some(size) = config.shadow_map_size().filter(|_| !projectors.is_empty()) else {
+        return ShadowMaps { lights: rsm.lights, layers: rsm.layers, size: rsm.size, depth: rsm.depth };
+    };
+    let layers = projectors.len() as u32;
+    let maps = ShadowMaps {
+        lights: g.upload("direct/lights", &rsm::block(projectors)),
+        layers,
+        size,
+        depth: g.layered_image("direct/depth", Format::Depth32, size, layers),
+    };
+    let lists = scene.draw_lists(g, "direct", Maps::Shadow, layers, |bounds| {
+        projectors.iter().filter(|light| light.sees(bounds)).map(|light| light.distance(bounds)).reduce(f32::min)
+    });
+    g.raster("direct/shadow-map")
+        .reads("lights", maps.lights)
+        .reads("draws", scene.draws)
+        .constant("SEVERAL_LIGHTS", layers > 1)
+        .depth(maps.depth)
+        .draw(lists);
+    maps
+}
+
 /// Direct light with the shadows that the config chooses, and the filtered light of the sky if there is any: an image of outgoing radiance,
 /// albedo included.
-pub fn shade(g: &mut Graph, around: Surroundings<'_>, sky: Option<Indirect>, config: &DirectConfig) -> Image {
+pub fn shade(g: &mut Graph, around: Surroundings<'_>, maps: &ShadowMaps, sky: Option<Indirect>, config: &DirectConfig) -> Image {
     let Surroundings { scene, traced, gbuffer, rsm, wants, .. } = around;
     let direct = g.image("direct/radiance", Format::Rgba16Float, gbuffer.size);
     // Without a light there is no map.
-    let shadows = if rsm.layers == 0 { Shadows::None } else { config.shadows };
+    let shadows = if maps.layers == 0 { Shadows::None } else { config.shadows };
     let moments = match shadows {
-        Shadows::Variance => Some(variance_moments(g, rsm, config.blur)),
+        Shadows::Variance => Some(variance_moments(g, maps, config.blur)),
         Shadows::PercentageCloser | Shadows::RayTraced | Shadows::None => None,
     };
     let (shadow, map) = match shadows {
         Shadows::Variance => ("direct/shadow-variance", moments.map(|image| ("moments", image, Sampler::Linear))),
-        Shadows::PercentageCloser => ("direct/shadow-percentage-closer", Some(("rsm_depth", rsm.depth, Sampler::Nearest))),
+        Shadows::PercentageCloser => ("direct/shadow-percentage-closer", Some(("shadow_depth", maps.depth, Sampler::Nearest))),
         Shadows::RayTraced => ("direct/shadow-ray-traced", None),
         Shadows::None => ("direct/shadow-none", None),
     };
@@ -56,7 +99,7 @@ pub fn shade(g: &mut Graph, around: Surroundings<'_>, sky: Option<Indirect>, con
         .compute("direct/shade")
         .part("shadow", shadow)
         .reads("view", gbuffer.view)
-        .reads("lights", rsm.lights)
+        .reads("lights", maps.lights)
         .reads("depth", gbuffer.depth)
         .reads("normal", gbuffer.normal)
         .reads("albedo", gbuffer.albedo)
@@ -66,9 +109,9 @@ pub fn shade(g: &mut Graph, around: Surroundings<'_>, sky: Option<Indirect>, con
         .constant("LIGHT_KIND", rsm.kind)
         .constant("METALS", scene.has_metals())
         .params(&ShadeParams {
-            lights: rsm.layers,
+            lights: maps.layers,
             bias: config.bias,
-            map_size: rsm.size.map(|n| n as i32),
+            map_size: maps.size.map(|n| n as i32),
             radius: config.blur as i32,
             // The filter window's farthest texel must stay below the lifted point on a slope. A variance map needs no wider lift: its mean
             // stays on the slope.
@@ -94,21 +137,18 @@ pub fn shade(g: &mut Graph, around: Surroundings<'_>, sky: Option<Indirect>, con
 }
 
 /// Mean and mean square of the distances, box-blurred: a variance shadow map (Donnelly and Lauritzen 2006).
-fn variance_moments(g: &mut Graph, rsm: &Rsm, radius: u32) -> Image {
-    let [width, height] = rsm.size;
-    let rows = g.layered_image("direct/moments-rows", Format::Rg32Float, rsm.size, rsm.layers);
-    let moments = g.layered_image("direct/moments", Format::Rg32Float, rsm.size, rsm.layers);
-    let params = MomentParams { size: [width, height, rsm.layers].map(|n| n as i32), radius: radius as i32 };
+fn variance_moments(g: &mut Graph, maps: &ShadowMaps, radius: u32) -> Image {
+    let ShadowMaps { lights, layers, size, depth } = *maps;
+    let [width, height] = size;
+    let rows = g.layered_image("direct/moments-rows", Format::Rg32Float, size, layers);
+    let moments = g.layered_image("direct/moments", Format::Rg32Float, size, layers);
+    let params = MomentParams { size: [width, height, layers].map(|n| n as i32), radius: radius as i32 };
     g.compute("direct/moments")
-        .reads("lights", rsm.lights)
-        .reads("rsm_depth", rsm.depth)
+        .reads("lights", lights)
+        .reads("shadow_depth", depth)
         .writes("moments", rows)
         .params(&params)
-        .dispatch([width, height, rsm.layers]);
-    g.compute("direct/moments-blur")
-        .reads("moments", rows)
-        .writes("blurred", moments)
-        .params(&params)
-        .dispatch([width, height, rsm.layers]);
+        .dispatch([width, height, layers]);
+    g.compute("direct/moments-blur").reads("moments", rows).writes("blurred", moments).params(&params).dispatch([width, height, layers]);
     moments
 }

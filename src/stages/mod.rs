@@ -93,6 +93,7 @@ pub fn needs_rays(config: &Config) -> bool {
 pub fn check(config: &Config, facts: &Facts) -> Result<()> {
     gbuffer::check(config, facts)?;
     rsm::check(config, facts)?;
+    direct::check(config, facts)?;
     methods_of(config).iter().try_for_each(|method| method.check(facts.adapter))?;
     if facts.maps > 0 {
         vpls::check(config, facts)?;

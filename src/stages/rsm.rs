@@ -64,13 +64,24 @@ pub fn method() -> Method {
 
 /// Refuses maps larger than the device's limits.
 pub fn check(config: &Config, facts: &Facts) -> Result<()> {
-    let [width, height] = config.rsm.size;
+    check_size("rsm.size", config.rsm.size, facts)
+}
+
+/// Refuses a size of maps, the value of a key, that is larger than the device's limits.
+pub fn check_size(key: &str, [width, height]: [u32; 2], facts: &Facts) -> Result<()> {
     let limits = &facts.adapter.limits;
     let [max_width, max_height] = limits.framebuffer_size.map(|n| n.min(limits.image_size));
     if width > max_width || height > max_height {
-        return Err(fail!(BadInput, "rsm.size: {width}x{height} is over the {max_width}x{max_height} that {} allows", facts.adapter.name));
+        return Err(fail!(BadInput, "{key}: {width}x{height} is over the {max_width}x{max_height} that {} allows", facts.adapter.name));
     }
     Ok(())
+}
+
+/// Lights as the shaders' uniform block has them.
+pub fn block(lights: &[Projector]) -> Vec<Projector> {
+    let mut block = vec![Projector::zeroed(); Projector::MAX];
+    block[..lights.len()].copy_from_slice(lights);
+    block
 }
 
 /// Warnings about light that the maps leave out.
@@ -86,10 +97,8 @@ pub fn draw(g: &mut Graph, scene: FrameScene<'_>, lights: &[Projector], wants: &
     let layers = lights.len() as u32;
     let size = if layers == 0 { [1, 1] } else { config.size };
     let image_layers = layers.max(1);
-    let mut block = vec![Projector::zeroed(); Projector::MAX];
-    block[..lights.len()].copy_from_slice(lights);
     let rsm = Rsm {
-        lights: g.upload("rsm/lights", &block),
+        lights: g.upload("rsm/lights", &block(lights)),
         layers,
         kind: Projector::common_kind(lights),
         size,

@@ -132,7 +132,7 @@ fn lines(results: &Results) -> Vec<Vec<String>> {
         let over = results.relative_to.as_ref().map_or_else(String::new, |base| format!("over {base}"));
         under(share.clone(), &|cell| cell.share.map(percent));
         under(over.clone(), &|cell| cell.relative.map(|ratio| figure(ratio, "x")));
-        under("paper".to_owned(), &|cell| cell.published.map(|value| figure(value, cell.unit)));
+        under("paper".to_owned(), &|cell| cell.published.map(|value| as_published(value, cell.unit)));
         under(format!("paper, {share}"), &|cell| cell.published_share.map(percent));
         under(format!("paper, {over}"), &|cell| cell.published_relative.map(|ratio| figure(ratio, "x")));
     }
@@ -163,6 +163,16 @@ fn ours(cell: &Cell) -> String {
         let _ = write!(text, " ±{}", figure(spread, cell.unit));
     }
     text
+}
+
+/// A paper's figure with all of its digits, and its unit.
+fn as_published(value: f64, unit: &str) -> String {
+    match unit {
+        "bytes" => format!("{} MB", value / 1e6),
+        "" => format!("{value}"),
+        "x" => format!("{value}x"),
+        unit => format!("{value} {unit}"),
+    }
 }
 
 /// A figure of three digits, at least one after the point, with its unit.
@@ -258,6 +268,9 @@ mod tests {
         ];
         for (value, unit, expected) in cases {
             assert_eq!(figure(value, unit), expected);
+        }
+        for (value, unit, expected) in [(10.44, "ms", "10.44 ms"), (8.7, "", "8.7"), (15.42, "x", "15.42x"), (79e6, "bytes", "79 MB")] {
+            assert_eq!(as_published(value, unit), expected);
         }
     }
 }

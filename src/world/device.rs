@@ -94,9 +94,30 @@ const MAPS: [(&str, &str); 4] = [
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Maps {
     /// For holes in what the camera sees.
-    Mask = 1,
-    Reflection = 2,
-    All = 4,
+    Mask,
+    /// For holes in what a light sees.
+    Shadow,
+    Reflection,
+    All,
+}
+
+impl Maps {
+    /// Number of the maps, from the first of [`MAPS`] on.
+    fn count(self) -> usize {
+        match self {
+            Self::Mask | Self::Shadow => 1,
+            Self::Reflection => 2,
+            Self::All => 4,
+        }
+    }
+
+    /// Whether back faces of single-sided surfaces are left out. They stop light even where the camera does not see them.
+    fn cull_back(self) -> bool {
+        match self {
+            Self::Mask | Self::All => true,
+            Self::Shadow | Self::Reflection => false,
+        }
+    }
 }
 
 /// Transforms and materials of the draws.
@@ -323,10 +344,9 @@ impl FrameScene<'_> {
     }
 
     fn draw_list(&self, key: &BucketKey, arguments: Buffer, first: u32, count: u32, maps: Maps) -> DrawList {
-        let has = maps as usize;
         let mut constants = vec![("MASKED", u32::from(key.masked)), ("VERTEX_COLOR", u32::from(key.colored))];
         let mut textures = Vec::new();
-        for (map, (binding, constant)) in key.maps.iter().zip(MAPS).take(has) {
+        for (map, (binding, constant)) in key.maps.iter().zip(MAPS).take(maps.count()) {
             constants.push((constant, u32::from(map.is_some())));
             textures.push(match map {
                 Some(key) => {
@@ -340,8 +360,7 @@ impl FrameScene<'_> {
             textures,
             blocks: vec![ListBlock::of::<MaterialData>("material_block", self.scene.materials.0, key.material)],
             constants,
-            // Reflective shadow maps keep back faces: they stop light even if the camera does not see them.
-            cull_back: !key.double_sided && maps != Maps::Reflection,
+            cull_back: !key.double_sided && maps.cull_back(),
             vertex: VERTEX,
             vertices: self.vertices,
             indices: Some(self.indices),

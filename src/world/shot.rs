@@ -25,6 +25,8 @@ pub struct Shot {
 pub struct Lighting {
     /// Projectors, one a layer of the reflective shadow map; none if the environment is all that shines.
     pub projectors: Vec<Projector>,
+    /// Projectors of the shadow maps that are apart from these; none if there are no such maps.
+    pub shadow_projectors: Vec<Projector>,
     pub environment: Environment,
 }
 
@@ -53,6 +55,8 @@ impl Lighting {
         let bounds = world.device.bounds;
         let target = config.rsm.bounds.map_or(bounds, |b| Aabb { min: b.min.into(), max: b.max.into() });
         let projectors = Projector::of_lights(&lights, config.rsm.size, target, bounds);
+        let shadow_projectors =
+            config.shadow_map_size().map(|size| Projector::of_lights(&lights, size, bounds, bounds)).unwrap_or_default();
         let limits = &adapter.limits;
         let most = limits.image_layers.min(limits.framebuffer_layers).min(Projector::MAX as u32);
         let environment = Environment::of(&lights);
@@ -71,7 +75,7 @@ impl Lighting {
                 adapter.name
             ));
         }
-        Ok(Self { projectors, environment })
+        Ok(Self { projectors, shadow_projectors, environment })
     }
 }
 

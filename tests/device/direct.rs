@@ -255,3 +255,36 @@ fn a_plane_at_a_grazing_angle_does_not_shadow_itself_however_wide_the_filter() {
     }
     finish(renderer.gpu());
 }
+
+#[test]
+fn a_shadow_map_of_its_own_shadows_as_the_reflective_map_does_that_covers_everything() {
+    // The atrium has leaves with holes.
+    let atrium = manylight::scene::builtin::atrium(&manylight::scene::builtin::Atrium { triangles: 20_000, seed: 0 });
+    let mut renderer = renderer(atrium);
+    let lights = [
+        directional(Vec3::new(0.3, -1.0, 0.2), [3.0; 3]),
+        spot(Vec3::new(0.0, 6.0, 0.0), Vec3::NEG_Y, [30.0; 3], 30.0, 60.0),
+        LightConfig::Point { position: [3.0, 4.0, 0.0], intensity: [30.0; 3], keyframes: Vec::new() },
+    ];
+    for several in [&lights[..1], &lights[1..2], &lights[..]] {
+        let mut config = plain([96, 64], Vec3::new(-8.0, 2.0, 0.5), Vec3::new(8.0, 2.5, 0.0), 65.0, several[0].clone());
+        config.light = several.to_vec();
+        for shadows in [Shadows::Variance, Shadows::PercentageCloser] {
+            (config.rsm.size, config.rsm.bounds, config.direct.map_size) = ([256, 192], None, None);
+            let shared = shaded(&mut renderer, &config, shadows);
+            assert!(shared.direct.values.iter().any(|value| *value > 0.0), "nothing is lit");
+            config.direct.map_size = Some([256, 192]);
+            let own = shaded(&mut renderer, &config, shadows);
+            assert!(own.direct.values == shared.direct.values, "{shadows:?}: the same map gives other shadows");
+            // Neither the reflective map's size nor its box matters any more.
+            config.rsm.size = [64, 32];
+            config.rsm.bounds = Some(manylight::config::BoxConfig { min: [-1.0, 0.0, -1.0], max: [1.0, 1.0, 1.0] });
+            let own = shaded(&mut renderer, &config, shadows);
+            assert!(own.direct.values == shared.direct.values, "{shadows:?}: the reflective map still shadows");
+            config.direct.map_size = None;
+            let narrow = shaded(&mut renderer, &config, shadows);
+            assert!(narrow.direct.values != shared.direct.values, "{shadows:?}: the reflective map does not shadow");
+        }
+    }
+    finish(renderer.gpu());
+}

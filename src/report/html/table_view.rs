@@ -73,12 +73,12 @@ pub fn view(table: &TableFile) -> TableView {
         let first = units.next().unwrap_or_default();
         let uniform = units.all(|unit| unit == first);
         columns.push(Column { name: name.clone(), unit: if uniform { label(first) } else { String::new() } });
-        // Our figures and the paper's have the same decimals, so that they line up.
-        let figures: Vec<Option<f64>> = column(at).flat_map(|cell| [cell.value, cell.published, cell.p5, cell.p95]).collect();
+        // Our figures have the same decimals, so that they line up, and the paper's those that it prints.
+        let figures: Vec<Option<f64>> = column(at).flat_map(|cell| [cell.value, cell.p5, cell.p95]).collect();
         let aligned = if uniform && first == "ms" { Some(numbers::column(&figures)) } else { None };
         for (row, cell) in column(at).enumerate() {
             let text = |part: usize, figure: Option<f64>| match &aligned {
-                Some(texts) => texts[row * 4 + part].clone(),
+                Some(texts) => texts[row * 3 + part].clone(),
                 None => figure.map(|figure| if cell.unit == "bytes" { numbers::bytes(figure) } else { numbers::short(figure) }),
             };
             let why = cell.why.as_ref().filter(|_| cell.value.is_none()).map(|why| {
@@ -93,9 +93,9 @@ pub fn view(table: &TableFile) -> TableView {
                 unit: if uniform { String::new() } else { label(&cell.unit) },
                 range: match cell.spread {
                     Some(spread) => Some(format!("±{}", numbers::short(spread))),
-                    None => text(2, cell.p5).zip(text(3, cell.p95)).map(|(low, high)| format!("{low}–{high}")),
+                    None => text(1, cell.p5).zip(text(2, cell.p95)).map(|(low, high)| format!("{low}–{high}")),
                 },
-                paper: text(1, cell.published),
+                paper: cell.published.map(|figure| if cell.unit == "bytes" { numbers::bytes(figure) } else { figure.to_string() }),
                 share: cell.share.map(numbers::percent),
                 paper_share: cell.published_share.map(numbers::percent),
                 relative: cell.relative.map(numbers::short),
@@ -147,7 +147,11 @@ pub fn notes(table: &TableFile, view: &TableView, runs: &[Run]) -> Vec<String> {
     if view.has_published_times {
         paper.push("Times of ours and of the paper are of different hardware: hold shares and ratios against each other.".to_owned());
     }
-    let deviations = if table.deviations.is_empty() { String::new() } else { format!("Ours differs: {}.", table.deviations.join("; ")) };
+    let sentence = |text: &String| if text.ends_with(['.', '?', '!']) { text.clone() } else { format!("{text}.") };
+    let deviations = match table.deviations.as_slice() {
+        [] => String::new(),
+        texts => format!("Ours differs: {}", texts.iter().map(sentence).collect::<Vec<_>>().join(" ")),
+    };
     let notes = [origin(table, runs), how.join(" "), paper.join(" "), deviations];
     notes.into_iter().filter(|note| !note.is_empty()).collect()
 }
@@ -204,8 +208,8 @@ mod tests {
         for kind in ["cpu", "gpu"] {
             let view = view(&table(kind));
             let papers = |row: usize| view.rows[row].cells.iter().map(|cell| cell.paper.as_deref()).collect::<Vec<_>>();
-            assert_eq!(papers(0), [Some("40.2"), Some("1.00"), Some("2.00 MiB")]);
-            assert_eq!(papers(1), [Some("20.1"), Some("2.00"), None]);
+            assert_eq!(papers(0), [Some("40.24"), Some("1"), Some("2.00 MiB")]);
+            assert_eq!(papers(1), [Some("20.12"), Some("2"), None]);
             let [first, second] = [&view.rows[0].cells[0], &view.rows[1].cells[0]];
             assert_eq!((first.share.as_deref(), first.paper_share.as_deref()), (Some("50.0 %"), Some("25.0 %")));
             assert_eq!((second.relative.as_deref(), second.paper_relative.as_deref()), (None, Some("0.500")));
@@ -229,7 +233,7 @@ mod tests {
     #[test]
     fn a_table_says_how_it_was_run_and_what_it_is_held_against() {
         let mut table = table("cpu");
-        table.deviations = vec!["another scene".to_owned()];
+        table.deviations = vec!["another scene".to_owned(), "Another light.".to_owned()];
         table.published = Some(Published { hardware: Some("a GPU".to_owned()), scene: None, settings: Some("1024 VPLs".to_owned()) });
         (table.scale, table.quick, table.complete) = (0.5, true, false);
         (table.share_of, table.relative_to) = (Some("the frame".to_owned()), Some("1x1".to_owned()));
@@ -245,7 +249,7 @@ mod tests {
             "different hardware",
             "share of the frame",
             "over that of 1x1",
-            "Ours differs: another scene.",
+            "Ours differs: another scene. Another light.",
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }
