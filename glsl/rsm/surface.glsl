@@ -9,6 +9,7 @@ layout(constant_id = 2) const bool METALLIC_ROUGHNESS_MAP = false;
 layout(constant_id = 4) const bool MASKED = false;
 layout(constant_id = 5) const bool VERTEX_COLOR = false;
 layout(constant_id = 6) const uint LIGHT_KIND = 4; // of all lights, or MIXED
+layout(constant_id = 8) const bool WHOLE_MAPS = false; // means of whole textures, not over a VPL's footprint
 
 layout(location = 0) in vec2 in_uv;
 layout(location = 1) in vec4 in_color;
@@ -27,6 +28,13 @@ layout(scalar) uniform MaterialBlock { Material it; } material_block;
 uniform sampler2DArray base_color_map;
 uniform sampler2DArray metallic_roughness_map;
 
+// Mean of a texture.
+vec4 mean_of(sampler2DArray map, vec3 coordinates) {
+    // The coarsest mip. It is no bias of the mip: devices may bound biases by 2.
+    if (WHOLE_MAPS) return textureLod(map, coordinates, 32.0);
+    return texture(map, coordinates, params.albedo_lod);
+}
+
 struct Surface {
     vec3 tint;       // base colour
     float alpha;     // coverage
@@ -42,11 +50,11 @@ Surface surface() {
     Surface it = Surface(base.rgb, base.a, material.metallic, material.roughness, gl_FrontFacing || material.double_sided != 0u);
     if (BASE_COLOR_MAP) {
         vec3 coordinates = map_coordinates(material.base_color_map, in_uv);
-        it.tint *= texture(base_color_map, coordinates, params.albedo_lod).rgb;
+        it.tint *= mean_of(base_color_map, coordinates).rgb;
         if (MASKED) it.alpha *= texture(base_color_map, coordinates).a;
     }
     if (METALLIC_ROUGHNESS_MAP) {
-        vec2 mr = texture(metallic_roughness_map, map_coordinates(material.metallic_roughness_map, in_uv), params.albedo_lod).bg;
+        vec2 mr = mean_of(metallic_roughness_map, map_coordinates(material.metallic_roughness_map, in_uv)).bg;
         it.metallic *= mr.x;
         it.roughness *= mr.y;
     }

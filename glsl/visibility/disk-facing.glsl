@@ -1,9 +1,6 @@
 // Points without normals: disks that face the VPL. Each part for "disk" defines the following.
 #include "visibility/pulled.glsl"
 
-// Share of the points' mean squared distance that is added to their squared radius.
-const float SPREAD = 1.0;
-
 // Storage of a texel of a coarser level.
 #define PULLED_FORMAT rg32ui
 uvec4 pulled_words(Pulled p) { return uvec4(pack_pulled(p), 0u, 0u); }

@@ -2,8 +2,7 @@
 #include "visibility/pulled.glsl"
 #include "visibility/tilt.glsl"
 
-// None: the ellipses close gaps well enough.
-const float SPREAD = 0.0;
+layout(constant_id = 5) const float GROWN = 0.75; // radius added to a point's, texels of the finest level
 
 #define PULLED_FORMAT rgba32ui
 uvec4 pulled_words(Pulled p) { return uvec4(pack_pulled(p), pack_tilt(p.tilt), 0u); }
@@ -19,8 +18,8 @@ bool reaches(Pulled p, vec2 way, ivec2 texel, int tile, float scale, out float d
     // Foreshortened by the cosine along the tilt, and grown since its place within its texel is not known.
     float along = dot(way, p.tilt) * inversesqrt(max(dot(p.tilt, p.tilt), 1e-6));
     float across = max(dot(way, way) - along * along, 0.0);
-    float snapped = SNAPPED * scale;
-    float wide = p.radius * p.radius + snapped * snapped, narrow = p.radius * p.radius * facing * facing + snapped * snapped;
+    float grown = GROWN * scale;
+    float wide = p.radius * p.radius + grown * grown, narrow = p.radius * p.radius * facing * facing + grown * grown;
     // Step in texels, as an angle.
     vec2 place = (vec2(texel & (tile - 1)) + 0.5) * (2.0 / float(tile)) - 1.0;
     vec2 turned = way * (4.0 / (float(tile) * (1.0 + dot(place, place))));

@@ -14,6 +14,3 @@ float pixel_radius(uint word) { return exp2((float(word & 255u) - 96.0) / 16.0);
 
 // Corner of a VPL's map in the image of all maps.
 ivec2 map_corner(uint vpl, uint columns, int size) { return ivec2(vpl % columns, vpl / columns) * size; }
-
-// Approximate distance of a point from the middle of its texel, texels.
-const float SNAPPED = 0.75;

@@ -5,6 +5,10 @@
 #include "part/disk=visibility/disk-facing"
 
 layout(local_size_x = 8, local_size_y = 8) in;
+// Share of the points' mean squared distance that is added to their squared radius.
+layout(constant_id = 2) const float SPREAD = 1.0;
+// Whether weights fall with the distance of a point from the texel's centre.
+layout(constant_id = 3) const bool GAUSSIAN = false;
 
 layout(scalar, push_constant) uniform Params {
     ivec2 size;  // of the coarser level
@@ -30,9 +34,10 @@ void main() {
     Pulled sum = Pulled(0.0, 0.0, 0.0, vec2(0.0), vec2(0.0));
     float count = 0.0, spread = 0.0;
     for (int i = 0; i < 4; i++) {
-        float weight = there[i] && from[i].depth <= limit ? 1.0 : 0.0;
         // Offset in texels of the coarser level, from its centre.
         vec2 place = 0.5 * (from[i].offset + vec2(i & 1, i >> 1) - 0.5);
+        float weight = GAUSSIAN ? gaussian_weight(place) : 1.0;
+        if (!(there[i] && from[i].depth <= limit)) weight = 0.0;
         sum.depth += weight * from[i].depth;
         sum.radius += weight * from[i].radius;
         sum.extent = max(sum.extent, weight * (from[i].depth + from[i].extent));
@@ -41,7 +46,7 @@ void main() {
         sum.tilt += weight * from[i].tilt;
         count += weight;
     }
-    float over = 1.0 / max(count, 1.0);
+    float over = count > 0.0 ? 1.0 / count : 0.0;
     sum.depth *= over;
     sum.radius *= over;
     sum.offset *= over;

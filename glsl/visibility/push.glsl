@@ -8,6 +8,8 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const bool CLAMP = true;
+// Whether weights fall with the distance of a point from the texel's centre.
+layout(constant_id = 1) const bool GAUSSIAN = false;
 
 layout(scalar, push_constant) uniform Params {
     ivec2 size;  // of the finer level
@@ -60,6 +62,8 @@ void main() {
         for (int i = 0; i < 4; i++) {
             // Bilinear weights: 9, 3, 3 and 1 sixteenths.
             float weight = (((i ^ o) & 1) == 0 ? 0.75 : 0.25) * (((i ^ o) & 2) == 0 ? 0.75 : 0.25);
+            // The offset is in texels of the finer level.
+            if (GAUSSIAN) weight = gaussian_weight(0.5 * (center - from[i].offset));
             weight = reached[i] && depths[i] <= limit ? weight : 0.0;
             sum.depth += weight * depths[i];
             sum.radius += weight * from[i].radius;

@@ -14,6 +14,7 @@ layout(constant_id = 0) const uint MAP_SIZE = 64;
 layout(constant_id = 1) const bool DISTORTION = true;
 layout(constant_id = 2) const bool ROUND = true; // no normals are kept
 layout(constant_id = 3) const bool GAPS = false; // slots may be empty
+layout(constant_id = 4) const float GROWN = 0.75; // radius added to a point's, texels
 
 #include "part/projection=visibility/projection-paraboloid"
 
@@ -88,7 +89,7 @@ void main() {
                 // The radius grows because the texel's centre is not the point's position.
                 vec3 local = normal * axes[k];
                 if (ROUND) {
-                    size = sqrt(size * size + SNAPPED * SNAPPED);
+                    size = sqrt(size * size + GROWN * GROWN);
                 } else {
                     // Depth of the disk's plane at the texel's centre.
                     vec3 middle = paraboloid_inverse((vec2(texel) + 0.5) * (2.0 / float(MAP_SIZE)) - 1.0);

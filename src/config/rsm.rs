@@ -14,14 +14,26 @@ pub struct RsmConfig {
     /// `direct.shadows` is `"ray-traced"` or `"none"`.
     #[schemars(with = "Size<8192>")]
     pub size: [u32; 2],
+    pub albedo: RsmAlbedo,
     #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
     pub bounds: Option<BoxConfig>,
 }
 
 impl Default for RsmConfig {
     fn default() -> Self {
-        Self { size: [512, 512], bounds: None }
+        Self { size: [512, 512], albedo: RsmAlbedo::Footprint, bounds: None }
     }
+}
+
+/// Colour of a texel, and of VPLs on it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RsmAlbedo {
+    /// Mean of the textures over the area that a VPL stands for: their mip of that size.
+    #[default]
+    Footprint,
+    /// Mean of the whole textures, as in Linke 2016, section 4.3.
+    Material,
 }
 
 /// Box that the maps of directional lights cover: the scene's bounds if it is absent. `min` is less than `max` on every axis.

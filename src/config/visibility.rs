@@ -62,6 +62,7 @@ pub struct IsmConfig {
     pub enlarge: Option<f32>,
     /// Limits a point's size by its normal.
     pub normals: bool,
+    pub pull_push: PullPushConfig,
     /// Imperfect shadow maps that the VPLs of `"every-texel"` share, at most. Neighbouring VPLs see nearly the same.
     #[schemars(range(min = 1, max = 65_536))]
     pub shared_maps: u32,
@@ -83,9 +84,45 @@ impl Default for IsmConfig {
             clamp: true,
             enlarge: None,
             normals: false,
+            pull_push: PullPushConfig::default(),
             shared_maps: 1024,
         }
     }
+}
+
+/// What fills the holes between single pixels (Marroquim et al. 2007). The thesis of Linke has `grow = 0`, `interval = 1` and `spread = 0`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct PullPushConfig {
+    pub weights: PullWeights,
+    /// Radius that is added to a point's, in the root of their squares, since its place within its texel is not known, texels.
+    #[schemars(range(min = 0, max = 4))]
+    pub grow: f32,
+    /// Depth behind a point that counts as its surface, in diameters of the point in the world. It is one without `distortion`.
+    #[schemars(range(min = 0, max = 16))]
+    pub interval: f32,
+    /// Share of the mean square of the points' distances from their middle that a pull adds to the square of their radius, so that points that
+    /// lie apart leave no hole.
+    #[schemars(range(min = 0, max = 4))]
+    pub spread: f32,
+}
+
+impl Default for PullPushConfig {
+    fn default() -> Self {
+        Self { weights: PullWeights::Even, grow: 0.75, interval: 1.5, spread: 1.0 }
+    }
+}
+
+/// Weights of the texels that a pull or push averages.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PullWeights {
+    /// By the texels' places: equal in a pull, bilinear in a push.
+    #[default]
+    Even,
+    /// By the distance of the points' places from the texel that is written, as a Gaussian of half a texel of the coarser level (after
+    /// Marroquim et al. 2008, which the thesis names and leaves out).
+    Gaussian,
 }
 
 /// How VPLs are shadowed.
@@ -227,6 +264,18 @@ impl VisibilityConfig {
                 if config.visibility.method == VisibilityMethod::ImperfectShadowMaps { "vpls.sampler" } else { "visibility.method" };
             let unshared = || Unused::new(&["visibility.ism.shared_maps"], &[alone]);
             let mut unused: Vec<Unused> = config.shared_maps().is_none().then(unshared).into_iter().collect();
+            let ism = &config.visibility.ism;
+            if ism.renderer == IsmRenderer::Splat {
+                unused.push(Unused::new(&["visibility.ism.pull_push"], &["visibility.ism.renderer"]));
+            } else if ism.normals && !of_sky {
+                // Points with normals have ellipses and their planes' depths.
+                unused.push(Unused::new(
+                    &["visibility.ism.pull_push.interval", "visibility.ism.pull_push.spread"],
+                    &["visibility.ism.normals"],
+                ));
+            } else if !ism.distortion && !of_sky {
+                unused.push(Unused::new(&["visibility.ism.pull_push.interval"], &["visibility.ism.distortion"]));
+            }
             if config.visibility.ism.collect == Collect::Stored {
                 // Their number is known, and so is each partition's.
                 unused.push(Unused::new(&["visibility.ism.capacity"], &["visibility.ism.collect"]));

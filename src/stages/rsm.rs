@@ -3,7 +3,7 @@
 use super::facts::Facts;
 use super::methods::Method;
 use super::wants::Wants;
-use crate::config::{Config, Dielectric, RsmConfig};
+use crate::config::{Config, Dielectric, RsmAlbedo, RsmConfig};
 use crate::fail;
 use crate::gpu::{Feature, Format};
 use crate::graph::{Buffer, Graph, Image};
@@ -124,6 +124,7 @@ pub fn draw(g: &mut Graph, scene: FrameScene<'_>, lights: &[Projector], wants: &
         .reads("draws", scene.draws)
         .constant("SEVERAL_LIGHTS", layers > 1)
         .constant("LIGHT_KIND", rsm.kind)
+        .constant("WHOLE_MAPS", config.albedo == RsmAlbedo::Material)
         .params(&RsmParams {
             texel_size: [2.0 / size[0] as f32, 2.0 / size[1] as f32],
             albedo_lod: (0.5 * wants.texels_per_vpl.log2()).max(0.0) as f32,

@@ -29,6 +29,7 @@ mod memory;
 mod mixes;
 mod points;
 mod population;
+mod pull_push;
 mod reference;
 mod repeat;
 mod sampling;

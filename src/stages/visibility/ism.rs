@@ -215,6 +215,7 @@ impl Drawing<'_> {
             .constant("DISTORTION", config.ism.distortion)
             .constant("ROUND", !config.ism.normals)
             .constant("GAPS", points.gaps)
+            .constant("GROWN", config.ism.pull_push.grow)
             .params(&SinglePixelParams {
                 count: vpls.count,
                 first: points.first,

@@ -3,6 +3,7 @@
 
 use super::VisibilityConfig;
 use super::ism::Projection;
+use crate::config::{PullPushConfig, PullWeights};
 use crate::gpu::Format;
 use crate::graph::{Graph, Image};
 use crate::shader_struct;
@@ -53,9 +54,16 @@ pub(super) fn fill(g: &mut Graph, pixels: Image, tilts: Option<Image>, projectio
         None => (Format::Rg32Uint, "visibility/disk-facing"),
         Some(_) => (Format::Rgba32Uint, "visibility/disk-tilted"),
     };
+    let PullPushConfig { weights, grow, interval, spread } = config.ism.pull_push;
+    let gaussian = weights == PullWeights::Gaussian;
+    // The ellipses of points with normals close gaps well enough.
+    let spread = if tilts.is_some() { 0.0 } else { spread };
     let pulled: Vec<Image> = (1..=levels).map(|level| g.image(&format!("visibility/pulled-{level}"), format, size(level))).collect();
     for level in 1..=levels {
-        let mut pass = g.compute(PULL[level - 1]).part("disk", disk);
+        let mut pass = g.compute(PULL[level - 1]).part("disk", disk).constant("SPREAD", spread).constant("GAUSSIAN", gaussian);
+        if tilts.is_some() {
+            pass = pass.constant("GROWN", grow);
+        }
         pass = if level == 1 {
             let first = pass.shader("visibility/pull-first").reads("finer", pixels);
             first.constant("MAP_SIZE", config.ism.map_size).constant("DISTORTION", config.ism.distortion)
@@ -65,6 +73,7 @@ pub(super) fn fill(g: &mut Graph, pixels: Image, tilts: Option<Image>, projectio
         pass = match (level, tilts, projection) {
             (1, Some(tilts), _) => pass.part("extent", "visibility/extent-tilted").reads("tilts", tilts),
             (1, None, Projection::Orthographic(frames)) => pass.part("extent", "visibility/extent-orthographic").reads("frames", frames),
+            (1, None, Projection::Paraboloid) => pass.constant("INTERVAL", interval),
             _ => pass,
         };
         pass.writes("coarser", pulled[level - 1]).params(&PullParams { size: signed(level), texel: (1u32 << level) as f32 }).dispatch([
@@ -75,7 +84,10 @@ pub(super) fn fill(g: &mut Graph, pixels: Image, tilts: Option<Image>, projectio
     }
     let maps = g.image("visibility/maps", Format::R32Float, pixels.size);
     for level in (0..levels).rev() {
-        let pass = g.compute(PUSH[level]).part("disk", disk);
+        let mut pass = g.compute(PUSH[level]).part("disk", disk).constant("GAUSSIAN", gaussian);
+        if tilts.is_some() {
+            pass = pass.constant("GROWN", grow);
+        }
         let pass = if level == 0 {
             pass.shader("visibility/push-last").reads("finer", pixels).writes("maps", maps)
         } else {
