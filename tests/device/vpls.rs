@@ -1,11 +1,12 @@
 //! The contract that all samplers' VPLs keep: `src/stages/README.md`.
 
 use crate::common::*;
-use glam::{DVec3, Vec3};
-use manylight::config::{Config, Dielectric, GatherMethod, Importance, LightConfig, Reflection, VplSampler, choices};
+use glam::{DVec3, Vec2, Vec3};
+use manylight::config::{Config, Dielectric, GatherMethod, Importance, LightConfig, Reflection, RsmAlbedo, VplSampler, choices};
 use manylight::graph::Execution;
 use manylight::renderer::{Rendered, Renderer};
-use manylight::scene::pack;
+use manylight::scene::builder::Mesh;
+use manylight::scene::{Map, Material, Scene, Texture, pack};
 use manylight::stages::vpls::{Lobe, VplPlace};
 
 const LIGHT: Vec3 = Vec3::new(1.0, 1.5, 1.0);
@@ -127,4 +128,33 @@ fn keeps_the_contract(rendered: &Rendered, count: usize, reflection: Reflection,
     }
     let counted = rendered.counts.iter().find(|(name, _)| name == "vpls/lit").map(|(_, count)| *count);
     assert_eq!(counted, Some(lit as u64), "{what}");
+}
+
+#[test]
+fn vpls_have_the_colour_of_their_footprint_or_of_the_whole_texture() {
+    // A floor that is black on one side and white on the other.
+    let mut scene = Scene { name: "floor".into(), ..Scene::default() };
+    let texels = (0..64 * 64).flat_map(|i| [if i % 64 < 32 { 0 } else { 255 }; 3].into_iter().chain([255]));
+    let texture = scene.add_texture(Texture { name: "halves".into(), width: 64, height: 64, srgb: true, texels: texels.collect() });
+    let material = scene.add_material(Material { base_color_map: Some(Map::new(texture)), ..matte([1.0; 3]) });
+    let mut mesh = Mesh::default();
+    let corners = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
+    let [a, b, c, d] = corners.map(|[u, v]| mesh.vertex(Vec3::new(4.0 * u - 2.0, 0.0, 4.0 * v - 2.0), Vec3::Y, Vec2::new(u, v)));
+    mesh.indices.extend([a, b, c, a, c, d]);
+    scene.add_mesh(&mesh, material, &[glam::Affine3A::IDENTITY]);
+    let mut renderer = renderer(scene);
+    let mut config = plain([16, 16], Vec3::new(0.0, 3.0, 3.0), Vec3::ZERO, 60.0, directional(Vec3::NEG_Y, [3.0; 3]));
+    config.rsm.size = [64, 64];
+    config.vpls.count = 64;
+    let mut intensities = |albedo| {
+        config.rsm.albedo = albedo;
+        let rendered = dump(&mut renderer, &config, 0, &["vpls/regular"]);
+        pod::<[f32; 3]>(&rendered, "vpls/intensities").into_iter().map(|rgb| f64::from(rgb[0])).collect::<Vec<_>>()
+    };
+    let (footprint, whole) = (intensities(RsmAlbedo::Footprint), intensities(RsmAlbedo::Material));
+    let mean = whole.iter().sum::<f64>() / whole.len() as f64;
+    assert!(mean > 0.0 && whole.iter().all(|own| (own / mean - 1.0).abs() < 0.01), "{whole:?}");
+    let is_half = |share: f64| footprint.iter().filter(|own| (*own / mean - share).abs() < 0.1).count() >= 24;
+    assert!(is_half(0.0) && is_half(2.0), "{footprint:?} around {mean}");
+    finish(renderer.gpu());
 }
