@@ -3,6 +3,7 @@
 mod animated;
 mod bench;
 mod cli;
+mod commands;
 mod compare;
 mod config;
 mod export;
