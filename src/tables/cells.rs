@@ -101,8 +101,10 @@ pub fn results(table: &Table, plan: &Plan, folder: &Path) -> Result<Results> {
         let (of_row, of_column) = place?.from(row, column);
         let (cell, base) = (&cells[row][column], &cells[of_row][of_column]);
         let ratio = |value: Option<f64>, base: Option<f64>| Some(value? / base.filter(|base| *base > 0.0)?);
+        // Ratios of other figures mean something where the paper has them.
         let is_time = [cell, base].iter().all(|cell| cell.unit == "ms");
-        is_time.then(|| [ratio(cell.value, base.value), ratio(cell.published, base.published)])
+        let is_error = cell.published.is_some() && !["ms", "x"].contains(&cell.unit) && cell.measure == base.measure;
+        (is_time || is_error).then(|| [ratio(cell.value, base.value), ratio(cell.published, base.published)])
     };
     for (row, column) in table.places() {
         let shares = over(&cells, table.share_of, (row, column)).unwrap_or_default();
