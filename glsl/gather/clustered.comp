@@ -6,9 +6,8 @@
 // Gather with clustered culling (Linke 2016, section 4.6.1): each pixel sums its froxel's light list. A subgroup processes the froxels of
 // its pixels one after the other, so that it can still share VPLs among its lanes.
 #include "gather/froxel.glsl"
+#include "gather/light-list.glsl"
 #include "gather/per-pixel.glsl"
-
-layout(constant_id = 1) const uint PARTS = 16; // parts of a light list, a multiple of the sample sets
 
 layout(scalar) readonly buffer Rows { uint at[]; } rows;
 layout(scalar) readonly buffer Lists { uint at[]; } lists;
@@ -36,7 +35,7 @@ void main() {
     uvec4 mine_rows = uvec4(row_of(pixels.a.at), row_of(pixels.b.at), row_of(pixels.c.at), row_of(pixels.d.at));
 
     uint set = number_of(sample_set());
-    uint stride = 1u + (params.count + PARTS - 1u) / PARTS;
+    uint stride = part_words(params.count);
     Lanes lanes = lanes_of_subgroup();
     uvec4 left = mine_rows;
     while (true) {
@@ -51,7 +50,9 @@ void main() {
             uint count = lists.at[begin];
             for (uint start = 0u; start < count; start += lanes.count) {
                 bool there = start + lanes.mine < count;
-                uint index = lists.at[begin + 1u + min(start + lanes.mine, count - 1u)];
+                uint place = min(start + lanes.mine, count - 1u);
+                uint word = lists.at[begin + 1u + place / PACKED];
+                uint index = part + PARTS * bitfieldExtract(word, int(LIST_BITS * (place % PACKED)), int(LIST_BITS));
                 Vpl mine = vpl(index, there);
                 uint listed = min(lanes.count, count - start);
                 // Unrolled by two: llvmpipe ends all loops of an invocation together after 65,535 turns.

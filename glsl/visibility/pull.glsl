@@ -40,7 +40,7 @@ void main() {
         if (!(there[i] && from[i].depth <= limit)) weight = 0.0;
         sum.depth += weight * from[i].depth;
         sum.radius += weight * from[i].radius;
-        sum.extent = max(sum.extent, weight * (from[i].depth + from[i].extent));
+        sum.extent = weight > 0.0 ? max(sum.extent, from[i].depth + from[i].extent) : sum.extent;
         sum.offset += weight * place;
         spread += weight * dot(place, place);
         sum.tilt += weight * from[i].tilt;

@@ -62,7 +62,7 @@ impl Setup {
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self> {
         let started = Instant::now();
         let Loaded { config, warnings } = match path.to_str().and_then(presets::find) {
-            Some(text) if !path.exists() => config::parse(text, &path.with_extension("toml"), overrides),
+            Some(text) if !path.exists() || path.is_dir() => config::parse_preset(text, &path.with_extension("toml"), overrides),
             _ => config::load(path, overrides),
         }?;
         Ok(Self { config, warnings, path: path.to_owned(), started })

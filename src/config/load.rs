@@ -46,6 +46,11 @@ pub fn parse(text: &str, origin: &Path, overrides: &[String]) -> Result<Loaded> 
     Ok(resolve(text, origin, overrides)?.0)
 }
 
+/// Loads a preset's text; reads no file. `origin` is its name in messages.
+pub fn parse_preset(text: &str, origin: &Path, overrides: &[String]) -> Result<Loaded> {
+    Ok(resolve_over(chain(text, origin, true)?, overrides)?.0)
+}
+
 /// The config as TOML that loads again to the same value. Keys that are not used are left out where they have their default.
 pub fn to_toml(config: &Config) -> String {
     let text = toml::Table::try_from(config).and_then(|mut values| {
@@ -67,7 +72,10 @@ fn shorten(value: &mut toml::Value) {
 }
 
 fn resolve(text: &str, path: &Path, overrides: &[String]) -> Result<(Loaded, Node)> {
-    let mut root = chain(text, path)?;
+    resolve_over(chain(text, path, false)?, overrides)
+}
+
+fn resolve_over(mut root: Node, overrides: &[String]) -> Result<(Loaded, Node)> {
     for text in overrides {
         overrides::apply(&mut root, text)?;
     }
@@ -103,7 +111,12 @@ impl Base {
 
     /// Parses a text as if it were the file `path`.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
-        Ok(Self(chain(text, path)?))
+        Ok(Self(chain(text, path, false)?))
+    }
+
+    /// Parses a preset's text.
+    pub fn parse_preset(text: &str, path: &Path) -> Result<Self> {
+        Ok(Self(chain(text, path, true)?))
     }
 
     /// The config with some trees laid over it, each above the one before, then the `--set` options.
@@ -133,10 +146,10 @@ pub(crate) fn read_text(path: &Path) -> Result<String> {
     read(path)
 }
 
-/// The file's tree over that of its base, and so on down.
-fn chain(text: &str, path: &Path) -> Result<Node> {
+/// The file's tree, or the preset's, over that of its base, and so on down.
+fn chain(text: &str, path: &Path, is_preset: bool) -> Result<Node> {
     let mut files = vec![path.to_path_buf()];
-    let (mut root, mut base) = config_document(text, path, MOST_FILES, false)?;
+    let (mut root, mut base) = config_document(text, path, MOST_FILES, is_preset)?;
     while let Some((origin, Below { path: base_path, preset })) = base {
         let names = || files.iter().chain([&base_path]).map(|file| shown(file)).collect::<Vec<_>>().join(" -> ");
         let same = |file: &PathBuf| match (file.canonicalize(), base_path.canonicalize()) {

@@ -41,7 +41,7 @@ pub use gather::*;
 pub use keys::{Choice, KeyInfo, Kind, Range, choices, keys, markdown};
 pub use light::{LightConfig, LightKeyframe};
 pub(crate) use load::{Base, document, read_text};
-pub use load::{Loaded, load, parse, to_toml};
+pub use load::{Loaded, load, parse, parse_preset, to_toml};
 pub use materials::*;
 pub use output::*;
 pub use rsm::*;

@@ -98,7 +98,8 @@ pub struct PullPushConfig {
     /// Radius that is added to a point's, in the root of their squares, since its place within its texel is not known, texels.
     #[schemars(range(min = 0, max = 4))]
     pub grow: f32,
-    /// Depth behind a point that counts as its surface, in diameters of the point in the world. It is one without `distortion`.
+    /// Depth behind a point that counts as its surface, in diameters of the point in the world. It is one without `distortion`,
+    /// and of no use with `normals` and for a sky.
     #[schemars(range(min = 0, max = 16))]
     pub interval: f32,
     /// Share of the mean square of the points' distances from their middle that a pull adds to the square of their radius, so that points that
@@ -265,16 +266,24 @@ impl VisibilityConfig {
             let unshared = || Unused::new(&["visibility.ism.shared_maps"], &[alone]);
             let mut unused: Vec<Unused> = config.shared_maps().is_none().then(unshared).into_iter().collect();
             let ism = &config.visibility.ism;
+            let of_vpls = all().any(|method| method == VisibilityMethod::ImperfectShadowMaps);
             if ism.renderer == IsmRenderer::Splat {
                 unused.push(Unused::new(&["visibility.ism.pull_push"], &["visibility.ism.renderer"]));
-            } else if ism.normals && !of_sky {
-                // Points with normals have ellipses and their planes' depths.
-                unused.push(Unused::new(
-                    &["visibility.ism.pull_push.interval", "visibility.ism.pull_push.spread"],
-                    &["visibility.ism.normals"],
-                ));
-            } else if !ism.distortion && !of_sky {
-                unused.push(Unused::new(&["visibility.ism.pull_push.interval"], &["visibility.ism.distortion"]));
+            } else {
+                // Points with normals have ellipses and their planes' depths, and those of a sky's maps an interval of their own.
+                if !of_vpls || ism.normals || !ism.distortion {
+                    let because: &[&'static str] = if !of_vpls {
+                        &["visibility.method"]
+                    } else if ism.normals {
+                        &["visibility.ism.normals"]
+                    } else {
+                        &["visibility.ism.distortion"]
+                    };
+                    unused.push(Unused::new(&["visibility.ism.pull_push.interval"], because));
+                }
+                if ism.normals && !of_sky {
+                    unused.push(Unused::new(&["visibility.ism.pull_push.spread"], &["visibility.ism.normals"]));
+                }
             }
             if config.visibility.ism.collect == Collect::Stored {
                 // Their number is known, and so is each partition's.

@@ -31,13 +31,13 @@ pub struct Cell {
     pub n: Option<u64>,
     /// The paper's figure.
     pub published: Option<f64>,
-    /// Shares that times are of the whole that the table names, of ours and of the paper's.
+    /// Share that our time is of the whole that the table names.
     pub share: Option<f64>,
-    /// The same of the paper's times.
+    /// Share that the paper's time is of its own whole.
     pub published_share: Option<f64>,
-    /// Ratios of times to the cell that the table names, of ours and of the paper's.
+    /// Ratio of our figure to that of the cell that the table names.
     pub relative: Option<f64>,
-    /// The same of the paper's times.
+    /// Ratio of the paper's figure to its own of that cell.
     pub published_relative: Option<f64>,
     /// Keys of the run and its reference, the names of their folders.
     pub run: Option<String>,

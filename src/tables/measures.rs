@@ -128,7 +128,11 @@ pub fn place(node: &Node, path: &str, names: &Names) -> Result<Place> {
             }
         }
     };
-    Ok(Place { row: number("row", &names.rows)?, column: number("column", &names.columns)? })
+    let place = Place { row: number("row", &names.rows)?, column: number("column", &names.columns)? };
+    if place == (Place { row: None, column: None }) {
+        return Err(error(&node.origin, path, "names neither a row nor a column"));
+    }
+    Ok(place)
 }
 
 /// Checks the stage of a timed name. Passes are only known to a described frame.

@@ -42,7 +42,7 @@ pub struct Table {
     measure: Option<Measure>,
     /// Cell whose time is the whole that other times are shares of: the frame.
     share_of: Option<Place>,
-    /// Cell whose time other times are also divided by.
+    /// Cell whose figure others are also divided by: times, and what else the paper has.
     relative_to: Option<Place>,
     base: crate::config::Base,
     set: Option<Node>,
@@ -196,7 +196,7 @@ impl Table {
     fn named(&self, place: Place) -> String {
         let row = place.row.map(|row| self.rows[row].name.as_str());
         let column = place.column.map(|column| self.columns[column].name.as_str());
-        [row, column].into_iter().flatten().collect::<Vec<_>>().join(", ")
+        [column, row].into_iter().flatten().collect::<Vec<_>>().join(" of ")
     }
 
     /// Bars whose parts are shares of the table's whole: a bar a row if the whole is a column, and the other way round. `shares` gives those of

@@ -165,10 +165,13 @@ fn ours(cell: &Cell) -> String {
     text
 }
 
+/// Bytes of a MiB, which papers write as MB.
+const MIB: f64 = 1_048_576.0;
+
 /// A paper's figure with all of its digits, and its unit.
 fn as_published(value: f64, unit: &str) -> String {
     match unit {
-        "bytes" => format!("{} MB", value / 1e6),
+        "bytes" => format!("{} MiB", value / MIB),
         "" => format!("{value}"),
         "x" => format!("{value}x"),
         unit => format!("{value} {unit}"),
@@ -178,7 +181,7 @@ fn as_published(value: f64, unit: &str) -> String {
 /// A figure of three digits, at least one after the point, with its unit.
 fn figure(value: f64, unit: &str) -> String {
     if unit == "bytes" {
-        return format!("{} MB", digits(value / 1e6));
+        return format!("{} MiB", digits(value / MIB));
     }
     match unit {
         "" => digits(value),
@@ -264,12 +267,14 @@ mod tests {
             (123.456, "ms", "123.5 ms"),
             (0.02499, "", "0.0250"),
             (0.00012345, "", "1.23e-4"),
-            (79_000_000.0, "bytes", "79 MB"),
+            (82_837_504.0, "bytes", "79 MiB"),
         ];
         for (value, unit, expected) in cases {
             assert_eq!(figure(value, unit), expected);
         }
-        for (value, unit, expected) in [(10.44, "ms", "10.44 ms"), (8.7, "", "8.7"), (15.42, "x", "15.42x"), (79e6, "bytes", "79 MB")] {
+        for (value, unit, expected) in
+            [(10.44, "ms", "10.44 ms"), (8.7, "", "8.7"), (15.42, "x", "15.42x"), (82_837_504.0, "bytes", "79 MiB")]
+        {
             assert_eq!(as_published(value, unit), expected);
         }
     }

@@ -119,7 +119,7 @@ fn base(tree: &Tree, origin: &Origin, path: &Path) -> Result<Base> {
     let file = path.parent().unwrap_or(Path::new("")).join(name);
     let preset = name.strip_suffix(".toml").unwrap_or(name);
     let loaded = match presets::find(preset) {
-        Some(text) if !file.is_file() => return Base::parse(text, &PathBuf::from(format!("{preset}.toml"))),
+        Some(text) if !file.is_file() => return Base::parse_preset(text, &PathBuf::from(format!("{preset}.toml"))),
         _ if file.is_file() => Base::load(&file),
         _ => {
             let names: Vec<&str> = presets::all().iter().map(|(name, _)| *name).collect();

@@ -74,7 +74,8 @@ fn culling_never_changes_the_picture_whatever_the_view_and_the_block() {
 #[test]
 fn culling_never_changes_the_picture_whatever_the_count_and_the_lights() {
     let mut renderer = renderer(atrium());
-    for count in [1, 17, 1000, 4096] {
+    // Numbers of lists have 8 bits up to 4,096 VPLs, since blocks have 16 pixels here at most.
+    for count in [1, 17, 1000, 4096, 6001] {
         let mut config = config([140, 100], [-2.4, 1.9, -2.2], [6.5, 3.4, 1.0]);
         config.vpls.count = count;
         same(&mut renderer, &config, &format!("{count} VPLs"));
@@ -125,7 +126,10 @@ fn lists(renderer: &mut Renderer, config: &Config) -> (Vec<u32>, usize) {
     let rendered = dump(renderer, &config, 0, &["gather/light-lists"]);
     let lists: Vec<u32> = words(dumped(&rendered, "gather/lists")).collect();
     let used = count(&rendered, "gather/used-froxels") as usize;
-    let (parts, stride) = (16, 1 + config.vpls.count.div_ceil(16) as usize);
+    // Four numbers a word, after the part's count.
+    let (parts, stride) = (16, 1 + config.vpls.count.div_ceil(16).div_ceil(4) as usize);
+    let [across, down] = config.frame.size.map(|n| n.div_ceil(128) as usize);
+    assert_eq!(lists.len(), across * down * 16 * parts * stride);
     ((0..used * parts).map(|part| lists[part * stride]).collect(), used)
 }
 

@@ -26,6 +26,12 @@ fn radius_of(word: u32) -> f64 {
     ((f64::from(word & 255) - 96.0) / 16.0).exp2()
 }
 
+/// A half-float of 0 or more, from its bits.
+fn half(bits: u32) -> f32 {
+    let (exponent, fraction) = ((bits >> 10 & 31) as i32, (bits & 1023) as f32 / 1024.0);
+    if exponent == 0 { fraction * 2f32.powi(-14) } else { (1.0 + fraction) * 2f32.powi(exponent - 15) }
+}
+
 /// A single pixel with the interval of the config.
 fn single(word: u32, [x, y]: [usize; 2], interval: f64) -> Option<Point> {
     let place = (DVec2::new((x % MAP) as f64, (y % MAP) as f64) + 0.5) * (2.0 / MAP as f64) - 1.0;
@@ -103,6 +109,11 @@ fn a_pull_averages_the_points_of_the_frontmost_surface_by_the_weights_of_its_key
                     assert!(steps.abs() < 0.6, "{keys:?}: texel {x}, {y} has radius {radius} and not {}", point.radius);
                     let offset = DVec2::new(f64::from(found[1] as u8 as i8), f64::from((found[1] >> 8) as u8 as i8)) * (8.0 / 127.0);
                     assert!((offset - point.offset).abs().max_element() < 0.04, "{keys:?}: texel {x}, {y} is at {offset}, {point:?}");
+                    let extent = f64::from(half(found[1] >> 16));
+                    assert!(
+                        (extent - point.extent).abs() < 1e-3 * point.extent + 1e-5,
+                        "{keys:?}: texel {x}, {y} ends after {extent}, {point:?}"
+                    );
                     filled += 1;
                     mixed += u32::from(from.iter().flatten().count() > 1);
                 }

@@ -154,7 +154,8 @@ fn vpls_have_the_colour_of_their_footprint_or_of_the_whole_texture() {
     let (footprint, whole) = (intensities(RsmAlbedo::Footprint), intensities(RsmAlbedo::Material));
     let mean = whole.iter().sum::<f64>() / whole.len() as f64;
     assert!(mean > 0.0 && whole.iter().all(|own| (own / mean - 1.0).abs() < 0.01), "{whole:?}");
-    let is_half = |share: f64| footprint.iter().filter(|own| (*own / mean - share).abs() < 0.1).count() >= 24;
+    // The texture repeats, so that at its edges the other half shines through.
+    let is_half = |share: f64| footprint.iter().filter(|own| (*own / mean - share).abs() < 0.15).count() >= 24;
     assert!(is_half(0.0) && is_half(2.0), "{footprint:?} around {mean}");
     finish(renderer.gpu());
 }

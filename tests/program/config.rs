@@ -376,6 +376,32 @@ fn a_preset_starts_from_presets_whatever_is_called_like_them() {
 }
 
 #[test]
+fn a_preset_by_its_name_starts_from_presets_as_well() {
+    // "linke" starts from "first-light", and a folder hides no preset.
+    let place = crate::place::Place::new(&[("first-light.toml", "vpls.count = 7\n[nonsense]"), ("linke/a.toml", "")]);
+    place.succeeds("render linke --size 16x9 --set frame.count=1 --set frame.warmup=0 --set visibility.method=none -o out");
+}
+
+#[test]
+fn keys_of_pull_and_push_and_of_the_shadow_map_are_told_where_nothing_takes_them() {
+    let warnings = |text: &str| manylight::config::parse(text, "c.toml".as_ref(), &[]).unwrap().warnings.join("\n");
+    let ism = "base = \"linke\"\n[visibility.ism]\n";
+    for (text, says) in [
+        (format!("{ism}renderer = \"splat\"\npull_push.grow = 0.5"), Some("visibility.ism.pull_push")),
+        (format!("{ism}normals = true\npull_push.spread = 0.5"), Some("visibility.ism.pull_push.spread")),
+        (format!("{ism}normals = true\npull_push.interval = 1"), Some("visibility.ism.pull_push.interval")),
+        (format!("{ism}distortion = false\npull_push.interval = 1"), Some("visibility.ism.pull_push.interval")),
+        (format!("{ism}pull_push = {{ grow = 0.0, interval = 1, spread = 0.0 }}"), None),
+        ("direct = { shadows = \"ray-traced\", map_size = [64, 64] }".to_owned(), Some("direct.map_size")),
+        ("direct = { shadows = \"variance\", map_size = [64, 64] }".to_owned(), None),
+    ] {
+        let said = warnings(&text);
+        assert_eq!(said.is_empty(), says.is_none(), "{text}: {said}");
+        assert!(says.is_none_or(|key| said.contains(key)), "{text}: {said}");
+    }
+}
+
+#[test]
 fn a_key_displaces_what_it_excludes_in_a_base() {
     let camera = "[camera]\nposition = [0, 0, 0]\ntarget = [0, 0, 1]\nup = [0, 1, 0]\n";
     let path = "[[camera.keyframes]]\ntime = 0\nposition = [0, 0, 0]\ntarget = [0, 0, 2]\n";

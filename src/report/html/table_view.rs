@@ -135,7 +135,7 @@ pub fn notes(table: &TableFile, view: &TableView, runs: &[Run]) -> Vec<String> {
         how.push(format!("n % is a time's share of {}.", of(&table.share_of)));
     }
     if view.has_relative {
-        how.push(format!("n× is a time over that of {}.", of(&table.relative_to)));
+        how.push(format!("n× is a figure over that of {}.", of(&table.relative_to)));
     }
     let published = table.published.as_ref();
     let facts = published.map(|published| [&published.hardware, &published.scene, &published.settings]);

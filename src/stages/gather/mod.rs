@@ -153,8 +153,8 @@ fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: V
     };
     let froxels = (config.per_pixel.culling == Culling::Clustered).then(|| froxels(g, gbuffer, vpls, interleave));
     let mut pass = shadowed(g, name, visibility);
-    if let Some(Froxels { rows, lists }) = froxels {
-        pass = pass.reads("rows", rows).reads("lists", lists).constant("PARTS", parts(interleave));
+    if let Some(Froxels { rows, lists, packed }) = froxels {
+        pass = pass.reads("rows", rows).reads("lists", lists).constant("PARTS", parts(interleave)).constant("PACKED", packed);
     }
     pass.reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
@@ -204,8 +204,10 @@ fn shadowed<'g>(g: &'g mut Graph, name: &'static str, visibility: Visibility) ->
 struct Froxels {
     /// Number of a froxel's light list, by tile and slice; `glsl/gather/froxel.glsl`.
     rows: Buffer,
-    /// Light lists in parts: each part's count, then the numbers of its VPLs.
+    /// Light lists in parts; `glsl/gather/light-list.glsl`.
     lists: Buffer,
+    /// Numbers of VPLs in a word of the lists.
+    packed: u32,
 }
 
 /// Pixels along a tile's side, and depth slices of a tile.
@@ -225,7 +227,10 @@ fn froxels(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, interleave: Interleave
     let slices = g.buffer::<u32>("gather/slices", tiles);
     let froxels = g.buffer::<u32>("gather/froxels", tiles * SLICES);
     let rows = g.buffer::<u32>("gather/rows", tiles * SLICES);
-    let lists = g.buffer::<u32>("gather/lists", tiles * SLICES * parts * (1 + vpls.count.div_ceil(parts)));
+    // As few bits as a VPL's number within its part needs.
+    let most = vpls.count.div_ceil(parts);
+    let packed = if most <= 1 << 8 { 4 } else { u32::from(most <= 1 << 16) + 1 };
+    let lists = g.buffer::<u32>("gather/lists", tiles * SLICES * parts * (1 + most.div_ceil(packed)));
     let used = g.count("gather/used-froxels");
     g.compute("gather/froxel-slices")
         .reads("view", gbuffer.view)
@@ -247,7 +252,8 @@ fn froxels(g: &mut Graph, gbuffer: &GBuffer, vpls: &Vpls, interleave: Interleave
         .reads("used", used)
         .writes("lists", lists)
         .constant("PARTS", parts)
+        .constant("PACKED", packed)
         .params(&LightListsParams { count: vpls.count })
         .dispatch_groups([tiles * SLICES, 1, 1]);
-    Froxels { rows, lists }
+    Froxels { rows, lists, packed }
 }
