@@ -1,6 +1,7 @@
 //! The configs in the binary: `configs/*.toml`, embedded, so that they render by name from any folder.
 
 use include_dir::{Dir, include_dir};
+use std::path::Path;
 
 static CONFIGS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/configs");
 
@@ -33,6 +34,11 @@ fn texts(folder: &'static Dir<'static>) -> Vec<(&'static str, &'static str)> {
 /// Text of a preset.
 pub fn find(name: &str) -> Option<&'static str> {
     all().into_iter().find(|(known, _)| *known == name).map(|(_, text)| text)
+}
+
+/// Text of a preset, unless a file has taken its place. A folder of its name has not.
+pub fn find_unless(name: &str, file: &Path) -> Option<&'static str> {
+    find(name).filter(|_| !file.exists() || file.is_dir())
 }
 
 /// Title of a preset: its first comment.

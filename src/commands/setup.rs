@@ -61,9 +61,9 @@ impl Setup {
     /// `BadInput` with file, line and key.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self> {
         let started = Instant::now();
-        let Loaded { config, warnings } = match path.to_str().and_then(presets::find) {
-            Some(text) if !path.exists() || path.is_dir() => config::parse_preset(text, &path.with_extension("toml"), overrides),
-            _ => config::load(path, overrides),
+        let Loaded { config, warnings } = match path.to_str().and_then(|name| presets::find_unless(name, path)) {
+            Some(text) => config::parse_preset(text, &path.with_extension("toml"), overrides),
+            None => config::load(path, overrides),
         }?;
         Ok(Self { config, warnings, path: path.to_owned(), started })
     }

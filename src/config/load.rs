@@ -188,8 +188,8 @@ impl Below {
     /// stand in the folder.
     fn named(name: &str, folder: &Path, in_preset: bool) -> Self {
         let path = folder.join(name);
-        let is_file = !in_preset && path.exists() && !path.is_dir();
-        match presets::find(name.strip_suffix(".toml").unwrap_or(name)).filter(|_| !is_file) {
+        let preset = name.strip_suffix(".toml").unwrap_or(name);
+        match if in_preset { presets::find(preset) } else { presets::find_unless(preset, &path) } {
             Some(text) => Self { path: Path::new(name).with_extension("toml"), preset: Some(text) },
             None => Self { path, preset: None },
         }

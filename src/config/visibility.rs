@@ -62,10 +62,10 @@ pub struct IsmConfig {
     pub enlarge: Option<f32>,
     /// Limits a point's size by its normal.
     pub normals: bool,
-    pub pull_push: PullPushConfig,
     /// Imperfect shadow maps that the VPLs of `"every-texel"` share, at most. Neighbouring VPLs see nearly the same.
     #[schemars(range(min = 1, max = 65_536))]
     pub shared_maps: u32,
+    pub pull_push: PullPushConfig,
 }
 
 impl Default for IsmConfig {
@@ -84,8 +84,8 @@ impl Default for IsmConfig {
             clamp: true,
             enlarge: None,
             normals: false,
-            pull_push: PullPushConfig::default(),
             shared_maps: 1024,
+            pull_push: PullPushConfig::default(),
         }
     }
 }
@@ -95,15 +95,14 @@ impl Default for IsmConfig {
 #[serde(default, deny_unknown_fields)]
 pub struct PullPushConfig {
     pub weights: PullWeights,
-    /// Radius that is added to a point's, in the root of their squares, since its place within its texel is not known, texels.
+    /// Radius added to a point's in quadrature, texels. A point's place within its texel is not known.
     #[schemars(range(min = 0, max = 4))]
     pub grow: f32,
     /// Depth behind a point that counts as its surface, in diameters of the point in the world. It is one without `distortion`,
     /// and of no use with `normals` and for a sky.
     #[schemars(range(min = 0, max = 16))]
     pub interval: f32,
-    /// Share of the mean square of the points' distances from their middle that a pull adds to the square of their radius, so that points that
-    /// lie apart leave no hole.
+    /// Share of the points' variance about their middle that a pull adds to their squared radius. Points that lie apart then leave no hole.
     #[schemars(range(min = 0, max = 4))]
     pub spread: f32,
 }

@@ -113,6 +113,11 @@ pub fn peak_memory_bytes() -> Option<u64> {
     Some(kibibytes.trim().parse::<u64>().ok()? * 1024)
 }
 
+/// A share of a whole as text: `31.0 %`.
+pub fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
 #[cfg(test)]
 pub(crate) mod samples {
     use super::*;

@@ -1,6 +1,6 @@
 //! The timing table printed at the end of a run.
 
-use super::{PassTime, Provenance, Row, Timings};
+use super::{PassTime, Provenance, Row, Timings, percent};
 use std::fmt::Write;
 
 /// The timing table as text: a caption, a row for each stage, the total. With `verbose` each stage is followed by its passes.
@@ -43,7 +43,7 @@ pub fn timing_table(times: &[PassTime], from: &Provenance, verbose: bool) -> Str
 
 fn cells(name: &str, row: &Row) -> [String; 5] {
     let [median, p5, p95] = [row.ms.median, row.ms.p5, row.ms.p95].map(|ms| format!("{ms:.3}"));
-    [name.to_owned(), median, p5, p95, format!("{:.1} %", row.share * 100.0)]
+    [name.to_owned(), median, p5, p95, percent(row.share)]
 }
 
 fn caption(from: &Provenance, frames: usize) -> String {

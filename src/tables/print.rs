@@ -1,6 +1,7 @@
 //! Output of tables as text, Markdown and CSV.
 
 use super::cells::{Cell, Results};
+use crate::report::percent;
 use anyhow::{Context, Result};
 use std::fmt::Write;
 
@@ -139,11 +140,6 @@ fn lines(results: &Results) -> Vec<Vec<String>> {
     lines
 }
 
-/// A share as text: 31.0 %.
-fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
-}
-
 impl Results {
     /// Sizes of the runs' pictures, from the largest on: `1920x1080`.
     fn sizes(&self) -> Vec<String> {
@@ -226,7 +222,7 @@ fn notes(results: &Results) -> Vec<String> {
         let said = ["hardware", "scene", "settings"].iter().filter_map(|key| results.published[key].as_str()).collect::<Vec<_>>();
         notes.push(format!("paper: {}", said.join("; ")));
         if results.cells.iter().flatten().any(|cell| cell.unit == "ms" && cell.published.is_some()) {
-            notes.push("times of ours and of the paper are of different hardware: hold shares and ratios against each other".to_owned());
+            notes.push("times of ours and of the paper are of different hardware: compare shares and ratios".to_owned());
         }
     }
     if let Some([error, asked]) = results.reference_error {

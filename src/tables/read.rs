@@ -118,8 +118,8 @@ fn base(tree: &Tree, origin: &Origin, path: &Path) -> Result<Base> {
     let name = text_of(node, "base")?;
     let file = path.parent().unwrap_or(Path::new("")).join(name);
     let preset = name.strip_suffix(".toml").unwrap_or(name);
-    let loaded = match presets::find(preset) {
-        Some(text) if !file.is_file() => return Base::parse_preset(text, &PathBuf::from(format!("{preset}.toml"))),
+    let loaded = match presets::find_unless(preset, &file) {
+        Some(text) => return Base::parse_preset(text, &PathBuf::from(format!("{preset}.toml"))),
         _ if file.is_file() => Base::load(&file),
         _ => {
             let names: Vec<&str> = presets::all().iter().map(|(name, _)| *name).collect();

@@ -51,15 +51,7 @@ fn seen_of_lights(caches: &[PlacedLightCache], ways: &[Vec3], choice: &DoublePro
 fn seen(disks: &[(Vec3, Vec3, f32)], angles: &[f32], choice: &DoubleProjectionConfig) -> Vec<f32> {
     let of_angle = |angle: &f32| {
         let turn = Mat3::from_rotation_y(*angle);
-        let cache = |position: Vec3, normal: Vec3, area: f32| PlacedLightCache {
-            position: (turn * position).into(),
-            area,
-            normal: (turn * normal).into(),
-            exponent: 0.0,
-            silhouette: area,
-            opacity: 1.0,
-            one_of_two: 0,
-        };
+        let cache = |position: Vec3, normal: Vec3, area: f32| disk(turn * position, turn * normal, area);
         let caches: Vec<_> = std::iter::once(cache(Vec3::ZERO, Vec3::Y, 1.0))
             .chain(disks.iter().map(|(at, normal, area)| cache(*at, *normal, *area)))
             .collect();

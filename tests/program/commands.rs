@@ -16,7 +16,7 @@ fn texts() -> Vec<(String, String)> {
     paths.into_iter().map(|path| (path.clone(), std::fs::read_to_string(root.join(&path)).unwrap())).collect()
 }
 
-/// Commands of a text: lines of their own, and those in backticks or after a colon.
+/// Commands of a text: lines of their own, and those in backticks.
 fn commands(text: &str) -> Vec<String> {
     // A line of a preset's header starts with a number sign, and goes on after a backslash.
     let joined = text.replace("\n#", "\n").replace("\\\n", " ");
@@ -27,11 +27,7 @@ fn commands(text: &str) -> Vec<String> {
             // A remark stands apart, as does the way into a file.
             found.push(rest.split(" # ").next().unwrap().split(" > ").next().unwrap().split("   ").next().unwrap().to_owned());
         }
-        for (start, end) in [("`manylight ", "`"), (": manylight ", "\n")] {
-            for rest in line.split(start).skip(1) {
-                found.push(rest.split(end).next().unwrap().to_owned());
-            }
-        }
+        found.extend(line.split("`manylight ").skip(1).map(|rest| rest.split('`').next().unwrap().to_owned()));
     }
     found.iter().map(|command| command.split_whitespace().collect::<Vec<_>>().join(" ")).collect()
 }
@@ -39,7 +35,7 @@ fn commands(text: &str) -> Vec<String> {
 /// The same command for a small picture in a test's folder; `None` for a form such as `manylight COMMAND --help`, and for what needs the folders of
 /// several machines.
 fn small(command: &str) -> Option<String> {
-    if ["COMMAND", "NAME", "[", "part-"].iter().any(|form| command.contains(form)) {
+    if ["COMMAND", "NAME", "part-"].iter().any(|form| command.contains(form)) {
         return None;
     }
     let first = command.split(' ').next().unwrap();

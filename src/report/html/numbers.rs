@@ -31,11 +31,6 @@ fn decimals(figure: f64) -> usize {
     if figure > 0.0 { (2.0 - (figure * 1.0005).log10().floor()).clamp(0.0, 6.0) as usize } else { 0 }
 }
 
-/// A share of a whole: `31.0 %`.
-pub fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
-}
-
 /// Bytes in the unit that leaves one to three digits before the point.
 pub fn bytes(count: f64) -> String {
     let unit = ["B", "KiB", "MiB", "GiB", "TiB"];

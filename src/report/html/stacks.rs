@@ -1,7 +1,7 @@
 //! Shares of a whole as stacked bars: ours over the paper's.
 
-use super::numbers;
 use super::table::TableFile;
+use crate::report::percent;
 use crate::tables::Part;
 use serde::Serialize;
 
@@ -90,7 +90,7 @@ fn bar(whose: &'static str, parts: &[(String, Option<f64>)]) -> Option<StackBar>
         if share <= 0.0 || (color.is_none() && share < LEAST_REST) {
             continue;
         }
-        let (width, text) = (share * scale, numbers::percent(share));
+        let (width, text) = (share * scale, percent(share));
         let title = format!("{name}: {text}");
         segments.push(Segment { color, x: tenths(x), width: tenths(width), text: Some(text).filter(|_| width >= LEAST_FOR_TEXT), title });
         x += width;

@@ -3,6 +3,7 @@
 use super::folders::Run;
 use super::numbers;
 use super::table::TableFile;
+use crate::report::percent;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -96,8 +97,8 @@ pub fn view(table: &TableFile) -> TableView {
                     None => text(1, cell.p5).zip(text(2, cell.p95)).map(|(low, high)| format!("{low}–{high}")),
                 },
                 paper: cell.published.map(|figure| if cell.unit == "bytes" { numbers::bytes(figure) } else { figure.to_string() }),
-                share: cell.share.map(numbers::percent),
-                paper_share: cell.published_share.map(numbers::percent),
+                share: cell.share.map(percent),
+                paper_share: cell.published_share.map(percent),
                 relative: cell.relative.map(numbers::short),
                 paper_relative: cell.published_relative.map(numbers::short),
                 why,
@@ -145,7 +146,7 @@ pub fn notes(table: &TableFile, view: &TableView, runs: &[Run]) -> Vec<String> {
         paper.push(format!("The paper's figures are of {}.", facts.join("; ")));
     }
     if view.has_published_times {
-        paper.push("Times of ours and of the paper are of different hardware: hold shares and ratios against each other.".to_owned());
+        paper.push("Times of ours and of the paper are of different hardware: compare shares and ratios.".to_owned());
     }
     let sentence = |text: &String| if text.ends_with(['.', '?', '!']) { text.clone() } else { format!("{text}.") };
     let deviations = match table.deviations.as_slice() {
