@@ -1,5 +1,6 @@
 // Texel of a cluster's map: distance, geometric normal flipped to face the cluster, and albedo (Aranha et al., section III-C).
 #include "bounce/map.glsl"
+#include "lib/footprint.glsl"
 #include "lib/scene.glsl"
 
 layout(constant_id = 1) const bool BASE_COLOR_MAP = false;
@@ -19,7 +20,7 @@ layout(location = 2) out vec4 albedo;
 layout(scalar, push_constant) uniform Params {
     float far;        // metres
     float texel_size; // in [-1, 1]
-    float albedo_lod; // mip bias: averages the albedo over a VPL's footprint
+    float albedo_lod; // mips: averages the albedo over a VPL's footprint
     uint layer;       // the layer, if layers are drawn one a pass
     uint layers;
 } params;
@@ -36,12 +37,12 @@ void main() {
     vec3 tint = base.rgb;
     if (BASE_COLOR_MAP) {
         vec3 coordinates = map_coordinates(material.base_color_map, in_uv);
-        tint *= texture(base_color_map, coordinates, params.albedo_lod).rgb;
+        tint *= mean_over(base_color_map, coordinates, params.albedo_lod).rgb;
         if (MASKED) base.a *= texture(base_color_map, coordinates).a;
     }
     float metallic = material.metallic;
     if (METALLIC_ROUGHNESS_MAP) {
-        metallic *= texture(metallic_roughness_map, map_coordinates(material.metallic_roughness_map, in_uv), params.albedo_lod).b;
+        metallic *= mean_over(metallic_roughness_map, map_coordinates(material.metallic_roughness_map, in_uv), params.albedo_lod).b;
     }
 
     // Edges bend in this projection, so interpolated positions are off. But they stay in the triangle's plane, whose intersection with the

@@ -1,5 +1,6 @@
 // Irradiance from virtual point lights. A pixel of a block sums one sample set of the VPLs. A workgroup takes pixels a block apart, so that
 // all of them sum the same VPLs while they access the G-buffer in place (Linke 2016, 4.5).
+#include "part/tile=gather/tile-wide"
 #include "part/shadow=gather/shadow-none"
 #include "gbuffer/receiver.glsl"
 #include "lib/color.glsl"
@@ -9,7 +10,6 @@
 #include "lib/subgroup.glsl"
 #include "lib/vpl.glsl"
 
-layout(local_size_x = 8, local_size_y = 4) in;
 layout(constant_id = 3) const bool DISKS = false; // VPLs are disk emitters
 
 layout(scalar, push_constant) uniform Params {

@@ -16,7 +16,9 @@ void main() {
     uvec2 size = (uvec2(view.it.width, view.it.height) + block_size() - 1u) / block_size(), place = uvec2(gl_FragCoord.xy);
     Pixel p = pixel_at(ivec2(place % size * block_size() + place / size));
     sum = vec4(0.0);
-    if (p.at.distance <= 0.0) return;
+    // The far face's depth test: a surface behind the hull is out of range. Steep faces may be a pixel off.
+    float far_side = gl_FragCoord.z - fwidth(gl_FragCoord.z);
+    if (p.at.distance <= 0.0 || far_side * p.at.distance > view.it.near) return;
     if (GLOSSY) shade(p, glossy_vpl(in_vpl), 1.0);
     else shade(p, diffuse_vpl(in_vpl), 1.0);
     sum.rgb = p.sum;

@@ -1,4 +1,5 @@
 // Texel of a reflective shadow map: material properties, averaged over a VPL's footprint.
+#include "lib/footprint.glsl"
 #include "lib/light.glsl"
 #include "lib/packing.glsl"
 #include "lib/scene.glsl"
@@ -20,7 +21,7 @@ layout(location = 1) out vec4 albedo;
 
 layout(scalar, push_constant) uniform Params {
     vec2 texel_size;  // of the map, in [-1, 1]
-    float albedo_lod; // mip bias: averages the albedo over a VPL's footprint
+    float albedo_lod; // mips: averages the albedo over a VPL's footprint
 } params;
 
 layout(scalar) uniform LightsBlock { Light at[MAX_LIGHTS]; } lights;
@@ -30,9 +31,8 @@ uniform sampler2DArray metallic_roughness_map;
 
 // Mean of a texture.
 vec4 mean_of(sampler2DArray map, vec3 coordinates) {
-    // The coarsest mip. It is no bias of the mip: devices may bound biases by 2.
     if (WHOLE_MAPS) return textureLod(map, coordinates, 32.0);
-    return texture(map, coordinates, params.albedo_lod);
+    return mean_over(map, coordinates, params.albedo_lod);
 }
 
 struct Surface {

@@ -10,5 +10,8 @@ bool is_in_the_way(Point point, vec3 normal, vec3 way, vec3 facing) { return poi
 // Place in [-1, 1]^2; `w` is the direction to the point, in the map's space.
 vec2 place_in_map(uint vpl, vec3 from, vec3 w) { return paraboloid(w); }
 
+// Normal of a plane in the map's space, of which these are the axes.
+vec3 plane_in_map(uint vpl, vec3 normal, mat3 axes) { return normal * axes; }
+
 // Radius in that square of a disk of world radius r at distance d, at the angle of this cosine to the axis.
 float radius_in_map(uint vpl, float r, float d, float cosine) { return paraboloid_radius(r, d, cosine, DISTORTION); }

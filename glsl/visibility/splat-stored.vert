@@ -15,7 +15,6 @@ layout(scalar, push_constant) uniform Params {
 layout(location = 0) in uint triangle;
 layout(location = 1) in uint weights;
 
-layout(location = 0) flat out ivec2 corner;
 out gl_PerVertex {
     vec4 gl_Position;
     float gl_PointSize;
@@ -42,6 +41,7 @@ void main() {
         corner = square.corner;
         gl_Position = square.position;
         gl_PointSize = square.side;
+        put_plane(square);
         return;
     }
 }

@@ -6,7 +6,6 @@
 #include "visibility/splat.glsl"
 
 #include "part/most=visibility/most-one"
-layout(location = 0) flat out ivec2 corner;
 out gl_PerVertex {
     vec4 gl_Position;
     float gl_PointSize;
@@ -30,6 +29,7 @@ void main() {
         corner = square.corner;
         gl_Position = square.position;
         gl_PointSize = square.side;
+        put_plane(square);
         EmitVertex();
         EndPrimitive();
     }

@@ -33,12 +33,16 @@ uint passing_vpls(Point point, vec3 normal, uint first, uint count) {
     return passing;
 }
 
-// A square: where it is drawn, its side in texels, and its map's corner.
+// A square: where it is drawn, its side in texels, its map's corner, and the plane of its point in the map's space: normal, distance over
+// `far`, and the reach of the point's own distances over `far`.
 struct Square {
     vec4 position;
     float side;
     ivec2 corner;
+    vec4 plane;
+    vec2 reach;
 };
+#include "part/square=visibility/square-center"
 
 Square square_of(Point point, vec3 normal, float radius, uint index) {
     VplPlace vpl = places.at[index];
@@ -53,5 +57,7 @@ Square square_of(Point point, vec3 normal, float radius, uint index) {
     ivec2 corner = map_corner(index, splat.columns, int(MAP_SIZE));
     vec2 texel = vec2(corner) + clamp((place_in_map(index, from, w) * 0.5 + 0.5) * float(MAP_SIZE), vec2(0.01), vec2(float(MAP_SIZE) - 0.01));
     vec4 position = vec4(texel / vec2(splat.size) * 2.0 - 1.0, 1.0 - min(d / splat.far, 1.0), 1.0);
-    return Square(position, clamp(side, 1.0, float(MAP_SIZE)), corner);
+    vec4 plane = vec4(plane_in_map(index, normal, axes), dot(normal, from) / splat.far);
+    vec2 reach = (d + radius * vec2(-1.0, 1.0)) / splat.far;
+    return Square(position, clamp(side, 1.0, float(MAP_SIZE)), corner, plane, reach);
 }

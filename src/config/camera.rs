@@ -75,6 +75,7 @@ impl CameraConfig {
             let builtin = match config.scene.builtin {
                 Some(Builtin::Cornell) => "cornell",
                 Some(Builtin::Caustics) => "caustics",
+                Some(Builtin::Courtyard) => "courtyard",
                 Some(Builtin::Street) => "street",
                 Some(Builtin::Atrium) | None => "atrium",
             };

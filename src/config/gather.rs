@@ -57,6 +57,7 @@ pub enum GatherMethod {
 #[serde(default, deny_unknown_fields)]
 pub struct PerPixelConfig {
     pub culling: Culling,
+    pub tile: Tile,
     pub emitters: Emitters,
 }
 
@@ -281,6 +282,18 @@ pub enum Culling {
     Clustered,
 }
 
+/// Pixels of a sample set that the culling `"tiled"` bounds together, across and down. 4x4 interleaving has 16 times as many in the picture.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Tile {
+    /// 16x8: 64x32 pixels of the picture with 4x4 interleaving.
+    #[default]
+    #[serde(rename = "16x8")]
+    Wide,
+    /// 8x8: 32x32 pixels of the picture with 4x4 interleaving. Culls more, by workgroups of half as many invocations.
+    #[serde(rename = "8x8")]
+    Square,
+}
+
 /// How VPLs are left out whose random range does not reach pixels.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -438,7 +451,12 @@ impl GatherConfig {
                 let filter = is_given.then(|| of_method(&["filter"]));
                 std::iter::once(caches).chain((!has).then_some(occlusion)).chain(filter).collect()
             }
-            (_, None) => vec![of_method(&["gather.stochastic", "gather.conservative_clusters", "gather.light_caches"])],
+            (_, None) => {
+                let tile = Unused::new(&["gather.per_pixel.tile"], &["gather.per_pixel.culling"]);
+                let tile = (config.gather.per_pixel.culling != Culling::Tiled).then_some(tile);
+                let others = of_method(&["gather.stochastic", "gather.conservative_clusters", "gather.light_caches"]);
+                std::iter::once(others).chain(tile).collect()
+            }
             (_, Some(culling)) => {
                 let tiles = Unused::new(&["gather.conservative_clusters"], &["gather.stochastic.culling"]);
                 let tiles = (culling != StochasticCulling::ConservativeClusters).then_some(tiles);

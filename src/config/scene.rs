@@ -25,14 +25,14 @@ pub struct SceneConfig {
     #[schemars(extend("x-default" = "the file's first"))]
     pub animation: Option<SceneSelector>,
     pub builtin: Option<Builtin>,
-    /// Triangles of the built-in scene: about so many of the atrium, which has 10,000 at least, about so many of the street, which has 20,000
-    /// to 2,000,000, and exactly so many of the caustics.
-    #[schemars(range(min = 8_000, max = 8_000_000))]
+    /// Triangles of the built-in scene: about so many of the atrium, which has 10,000 to 8,000,000, of the courtyard, which has 100,000 at
+    /// least, and of the street, which has 20,000 to 2,000,000, and exactly so many of the caustics, which have 8,000,000 at most.
+    #[schemars(range(min = 8_000, max = 10_000_000))]
     pub triangles: u32,
     /// GGX's alpha of the caustics' metal. It is the square of a glTF material's roughness.
     #[schemars(range(min = 0.001, max = 1), extend("x-default" = "0.05 of the caustics"))]
     pub roughness: f32,
-    /// Seed of the atrium's or the street's random numbers.
+    /// Seed of the atrium's, the courtyard's or the street's random numbers.
     pub seed: u32,
     /// Length of the longest edge after triangles are split, in units of the scene's diagonal. Maps of clusters bend long edges.
     /// Meshes with skins or morph targets are not split.
@@ -74,7 +74,7 @@ impl Serialize for SceneConfig {
                 table.serialize_field("triangles", &self.triangles)?;
             }
             match builtin {
-                Builtin::Atrium | Builtin::Street => table.serialize_field("seed", &self.seed)?,
+                Builtin::Atrium | Builtin::Courtyard | Builtin::Street => table.serialize_field("seed", &self.seed)?,
                 Builtin::Caustics => table.serialize_field("roughness", &self.roughness)?,
                 Builtin::Cornell => {}
             }
@@ -105,6 +105,8 @@ pub enum Builtin {
     Caustics,
     /// The classic box with two blocks.
     Cornell,
+    /// The atrium, planted: trees and shrubs of single leaves, ivy, ferns, and laid tables. Made for millions of triangles.
+    Courtyard,
     /// A street of houses and shops, with cars, trees, and coloured panels in the sun.
     Street,
 }
@@ -127,8 +129,8 @@ pub(super) fn given(root: &Table) -> Result<()> {
         _ => "atrium",
     };
     let knobs: [(&str, &[&str], &str); 3] = [
-        ("triangles", &["atrium", "caustics", "street"], "atrium, caustics and street have"),
-        ("seed", &["atrium", "street"], "atrium and street have"),
+        ("triangles", &["atrium", "caustics", "courtyard", "street"], "atrium, caustics, courtyard and street have"),
+        ("seed", &["atrium", "courtyard", "street"], "atrium, courtyard and street have"),
         ("roughness", &["caustics"], "caustics has"),
     ];
     for (knob, scenes, have) in knobs {
@@ -146,7 +148,9 @@ impl SceneConfig {
         let (name, least, most) = match config.scene.builtin {
             Some(Builtin::Atrium) => ("atrium", 10_000, 8_000_000),
             Some(Builtin::Street) => ("street", 20_000, 2_000_000),
-            Some(Builtin::Caustics | Builtin::Cornell) | None => return Ok(()),
+            Some(Builtin::Courtyard) => ("courtyard", 100_000, 10_000_000),
+            Some(Builtin::Caustics) => ("caustics", 8_000, 8_000_000),
+            Some(Builtin::Cornell) | None => return Ok(()),
         };
         let triangles = config.scene.triangles;
         if !(least..=most).contains(&triangles) {

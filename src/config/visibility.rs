@@ -62,6 +62,7 @@ pub struct IsmConfig {
     pub enlarge: Option<f32>,
     /// Limits a point's size by its normal.
     pub normals: bool,
+    pub splat_depth: SplatDepth,
     /// Imperfect shadow maps that the VPLs of `"every-texel"` share, at most. Neighbouring VPLs see nearly the same.
     #[schemars(range(min = 1, max = 65_536))]
     pub shared_maps: u32,
@@ -84,6 +85,7 @@ impl Default for IsmConfig {
             clamp: true,
             enlarge: None,
             normals: false,
+            splat_depth: SplatDepth::Center,
             shared_maps: 1024,
             pull_push: PullPushConfig::default(),
         }
@@ -173,6 +175,17 @@ pub enum Collect {
     Tessellation,
     /// Once, when the scene is brought to the device: exactly `point_count` places in triangles, which move with these.
     Stored,
+}
+
+/// Depth of a splat.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SplatDepth {
+    /// That of its middle: a square that faces the VPL.
+    #[default]
+    Center,
+    /// That of its point's plane, in each texel (Linke 2016, section 5.4.1).
+    Plane,
 }
 
 /// Which points a map gets.
@@ -269,6 +282,7 @@ impl VisibilityConfig {
             if ism.renderer == IsmRenderer::Splat {
                 unused.push(Unused::new(&["visibility.ism.pull_push"], &["visibility.ism.renderer"]));
             } else {
+                unused.push(Unused::new(&["visibility.ism.splat_depth"], &["visibility.ism.renderer"]));
                 // Points with normals have ellipses and their planes' depths, and those of a sky's maps an interval of their own.
                 if !of_vpls || ism.normals || !ism.distortion {
                     let because: &[&'static str] = if !of_vpls {

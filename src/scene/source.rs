@@ -1,7 +1,7 @@
 //! The scene of a config: a glTF file or a built-in.
 
 use super::Scene;
-use super::builtin::{self, Atrium, Caustics, Street};
+use super::builtin::{self, Atrium, Caustics, Courtyard, Street};
 use super::gltf::{self, AnimationChoice, Choice, SceneChoice};
 use crate::config::{Builtin, SceneConfig, SceneSelector};
 use crate::trace;
@@ -29,6 +29,7 @@ pub fn load_scene(config: &SceneConfig) -> Result<(Scene, Vec<String>)> {
         Builtin::Atrium => builtin::atrium(&Atrium { triangles: config.triangles, seed: config.seed }),
         Builtin::Caustics => builtin::caustics(&Caustics { triangles: config.triangles, roughness: config.roughness }),
         Builtin::Cornell => builtin::cornell(),
+        Builtin::Courtyard => builtin::courtyard(&Courtyard { triangles: config.triangles, seed: config.seed }),
         Builtin::Street => builtin::street(&Street { triangles: config.triangles, seed: config.seed }),
     };
     prepare_triangles(&mut scene, config);

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use glam::Vec3;
-use manylight::config::{Block, Builtin, CameraConfig, Config, Culling, FilterKind, LightConfig, SceneConfig, VisibilityMethod};
+use manylight::config::{Block, Builtin, CameraConfig, Config, Culling, FilterKind, LightConfig, SceneConfig, Tile, VisibilityMethod};
 use manylight::output::Plane;
 use manylight::renderer::Renderer;
 use manylight::scene::Scene;
@@ -28,8 +28,12 @@ fn culled(renderer: &mut Renderer, config: &Config, culling: Culling) -> Plane {
 /// Compares both culling methods with none.
 fn same(renderer: &mut Renderer, config: &Config, what: &str) {
     let all = culled(renderer, config, Culling::None);
-    let tiled = culled(renderer, config, Culling::Tiled);
-    assert!(all.values == tiled.values, "{what}: tiled culling changed the picture");
+    for tile in [Tile::Wide, Tile::Square] {
+        let mut config = config.clone();
+        config.gather.per_pixel.tile = tile;
+        let tiled = culled(renderer, &config, Culling::Tiled);
+        assert!(all.values == tiled.values, "{what}: culling in tiles, {tile:?}, changed the picture");
+    }
     let clustered = culled(renderer, config, Culling::Clustered);
     // With fewer sets than parts of a list, VPLs are summed in another order; values are stored as halves.
     let exact = config.gather.interleave.0.iter().product::<u32>() >= 16;

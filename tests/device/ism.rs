@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use glam::{Affine3A, Vec2, Vec3};
-use manylight::config::{Builtin, Collect, Config, IsmRenderer, PointSet, SceneConfig, VisibilityMethod};
+use manylight::config::{Builtin, Collect, Config, IsmConfig, IsmRenderer, PointSet, SceneConfig, SplatDepth, VisibilityMethod};
 use manylight::graph::Execution;
 use manylight::renderer::Renderer;
 use manylight::report::Memory;
@@ -91,7 +91,7 @@ fn the_map_of_a_sphere_has_no_hole_and_the_spheres_radius() {
 }
 
 /// Mean relative error of distances in a VPL's map of a plane that recedes from it, and the share of empty texels.
-fn slanted(normals: bool) -> (f32, f32) {
+fn slanted(change: impl Fn(&mut IsmConfig)) -> (f32, f32) {
     let mut scene = Scene::default();
     // The plane rises from low over the VPL on the left, up and away to the right.
     let corners = [[-1.0, 0.4, 4.0], [-1.0, 0.4, -4.0], [6.0, 3.9, -4.0], [6.0, 3.9, 4.0]].map(Vec3::from_array);
@@ -103,9 +103,10 @@ fn slanted(normals: bool) -> (f32, f32) {
     config.vpls.count = 1;
     maps_of_points(&mut config);
     config.visibility.ism.point_count = 20_000;
-    config.visibility.ism.normals = normals;
+    change(&mut config.visibility.ism);
+    let pass = if config.visibility.ism.renderer == IsmRenderer::Splat { "visibility/splat-distances" } else { "visibility/push-0" };
     let mut renderer = renderer(scene);
-    let rendered = dump(&mut renderer, &config, 0, &["visibility/push-0"]);
+    let rendered = dump(&mut renderer, &config, 0, &[pass]);
     let far = renderer.world().device().bounds.size().length();
     let plane = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
     let (mut errors, mut holes) = (Vec::new(), 0);
@@ -131,10 +132,19 @@ fn slanted(normals: bool) -> (f32, f32) {
 
 #[test]
 fn where_normals_are_kept_a_slanted_planes_map_runs_as_the_plane() {
-    let (without, _) = slanted(false);
-    let (with, holes) = slanted(true);
+    let (without, _) = slanted(|_| {});
+    let (with, holes) = slanted(|ism| ism.normals = true);
     println!("off by {without} without and {with} with normals, {holes} of it holes");
     assert!(with < 0.001 && with < 0.1 * without && holes < 0.03, "off by {without} without, {with} with normals, {holes} of it holes");
+}
+
+#[test]
+fn splats_with_their_planes_depths_run_as_a_slanted_plane() {
+    let splats = |depth| move |ism: &mut IsmConfig| (ism.renderer, ism.splat_depth, ism.enlarge) = (IsmRenderer::Splat, depth, Some(2.2));
+    let (center, _) = slanted(splats(SplatDepth::Center));
+    let (plane, holes) = slanted(splats(SplatDepth::Plane));
+    println!("off by {center} with their middle's depth and {plane} with their plane's, {holes} of it holes");
+    assert!(plane < 0.002 && plane < 0.1 * center && holes < 0.03, "off by {center} and {plane}, {holes} of it holes");
 }
 
 /// A small built-in scene with its own light.

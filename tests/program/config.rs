@@ -179,7 +179,7 @@ fn every_mistake_gets_a_sentence_with_file_line_and_key() {
         ("[scene]\nscene = 1", "x.toml:2: scene.scene: only a glTF file has scenes to choose from; give scene.file"),
         (
             "[scene]\nbuiltin = \"cornell\"\ntriangles = 20000",
-            "x.toml:3: scene.triangles: of the built-in scenes only atrium, caustics and street have this knob",
+            "x.toml:3: scene.triangles: of the built-in scenes only atrium, caustics, courtyard and street have this knob",
         ),
         ("[scene]\nfile = \"a.glb\"\nseed = 1", "x.toml:3: scene.seed: of the built-in scenes only atrium and street have this knob"),
         ("[scene]\nroughness = 0.1", "x.toml:2: scene.roughness: of the built-in scenes only caustics has this knob"),

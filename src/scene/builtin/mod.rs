@@ -15,7 +15,7 @@ mod street;
 mod texels;
 mod textures;
 
-pub use atrium::{Atrium, atrium};
+pub use atrium::{Atrium, Courtyard, atrium, courtyard};
 pub use caustics::{Caustics, caustics};
 pub use cornell::cornell;
 pub use street::{Street, street};

@@ -18,7 +18,7 @@ use super::interleave::Interleave;
 use super::surroundings::Surroundings;
 use super::visibility::{Ism, Visibility};
 use super::vpls::Vpls;
-use crate::config::{Culling, Emitters, GatherConfig, GatherMethod, Lookup, StochasticCulling};
+use crate::config::{Culling, Emitters, GatherConfig, GatherMethod, Lookup, StochasticCulling, Tile};
 use crate::gpu::Format;
 use crate::graph::{Buffer, ComputePass, Graph, Image};
 use crate::shader_struct;
@@ -144,15 +144,18 @@ fn add(g: &mut Graph, [pass, name]: [&'static str; 2], first: Image, second: Ima
 fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: Visibility, config: &GatherConfig) -> Indirect {
     let (gbuffer, interleave) = (around.gbuffer, around.wants.interleave);
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
-    // A workgroup has 8 x 4 invocations, and an invocation has 2 x 2 pixels of the sample set.
-    let groups = interleave.groups(gbuffer.size, [16, 8]);
+    let (tile, pixels) = match config.per_pixel.tile {
+        Tile::Square if config.per_pixel.culling == Culling::Tiled => ("gather/tile-square", [8, 8]),
+        Tile::Square | Tile::Wide => ("gather/tile-wide", [16, 8]),
+    };
+    let groups = interleave.groups(gbuffer.size, pixels);
     let name = match config.per_pixel.culling {
         Culling::None => "gather/per-pixel",
         Culling::Tiled => "gather/tiled",
         Culling::Clustered => "gather/clustered",
     };
     let froxels = (config.per_pixel.culling == Culling::Clustered).then(|| froxels(g, gbuffer, vpls, interleave));
-    let mut pass = shadowed(g, name, visibility);
+    let mut pass = shadowed(g, name, visibility).part("tile", tile);
     if let Some(Froxels { rows, lists, packed }) = froxels {
         pass = pass.reads("rows", rows).reads("lists", lists).constant("PARTS", parts(interleave)).constant("PACKED", packed);
     }

@@ -6,7 +6,7 @@ use super::ism::{ClearParams, Projection, collected, considered, layout};
 use super::masks::masked;
 use super::points::{PointsParams, turn};
 use super::stored::{FrameSegment, RECORD};
-use crate::config::Collect;
+use crate::config::{Collect, SplatDepth};
 use crate::gpu::Format;
 use crate::graph::{Buffer, DrawList, Graph, Image, RasterPass};
 use crate::shader_struct;
@@ -102,7 +102,14 @@ impl Drawing<'_> {
         let pass = g.raster(name);
         let pass = match projection {
             Projection::Paraboloid => pass,
-            Projection::Orthographic(frames) => pass.part("projection", "visibility/projection-orthographic").reads("frames", *frames),
+            Projection::Orthographic(frames) => pass
+                .part("projection", "visibility/projection-orthographic")
+                .part("plane", "visibility/plane-orthographic")
+                .reads("frames", *frames),
+        };
+        let pass = match config.ism.splat_depth {
+            SplatDepth::Center => pass,
+            SplatDepth::Plane => pass.part("square", "visibility/square-plane").part("depth", "visibility/depth-plane"),
         };
         pass.reads("draws", around.scene.draws)
             .reads("places", vpls.places)

@@ -10,6 +10,7 @@ mod cloth;
 mod column;
 mod court;
 mod gallery;
+mod garden;
 mod lantern;
 mod materials;
 mod plants;
@@ -72,6 +73,20 @@ impl Default for Atrium {
     fn default() -> Self {
         Self { triangles: 260_000, seed: 0 }
     }
+}
+
+/// Parameters of the built-in courtyard: the court, planted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Courtyard {
+    /// Drawn triangles, instances counted; met within 5 %, and clamped to [`Courtyard::TRIANGLES`]. A quarter of them, but no more than the
+    /// court has by default, are the building's.
+    pub triangles: u32,
+    /// Seed of everything irregular.
+    pub seed: u32,
+}
+
+impl Courtyard {
+    pub const TRIANGLES: RangeInclusive<u32> = 100_000..=10_000_000;
 }
 
 /// Parameters that parts are built from.
@@ -171,6 +186,30 @@ pub fn atrium(knobs: &Atrium) -> Scene {
     scene.lights.push(sun(Vec3::new(0.34, -1.0, 0.25)));
     scene.cameras.push(Camera {
         name: "court".into(),
+        position: Vec3::new(-11.3, 2.2, 0.9),
+        target: Vec3::new(6.0, 3.2, -1.0),
+        up: Vec3::Y,
+        fov_y_deg: 60.0,
+    });
+    scene
+}
+
+/// The court with trees, shrubs, ivy, ferns, and laid tables. The number of triangles is clamped to [`Courtyard::TRIANGLES`].
+pub fn courtyard(knobs: &Courtyard) -> Scene {
+    let target = knobs.triangles.clamp(*Courtyard::TRIANGLES.start(), *Courtyard::TRIANGLES.end());
+    let building = Atrium { triangles: (target / 4).min(Atrium::default().triangles), seed: knobs.seed };
+    let mut scene = Scene { name: "courtyard".into(), ..Scene::default() };
+    let palette = materials::add(&mut scene, knobs.seed);
+    let greens = garden::Greens::add(&mut scene);
+    let built = parts_of_size(&building, palette);
+    let rest = target - built.iter().map(Part::triangles).sum::<usize>() as u32;
+    let planted = parts::of_size(rest, 2_000_000.0, |detail| garden::parts(&garden::Bed { detail, seed: knobs.seed, palette, greens }));
+    for part in built.iter().chain(&planted) {
+        part.add_to(&mut scene);
+    }
+    scene.lights.push(sun(Vec3::new(0.34, -1.0, 0.25)));
+    scene.cameras.push(Camera {
+        name: "courtyard".into(),
         position: Vec3::new(-11.3, 2.2, 0.9),
         target: Vec3::new(6.0, 3.2, -1.0),
         up: Vec3::Y,

@@ -47,6 +47,18 @@ fn normals_agree_with_the_winding_and_no_triangle_is_degenerate() {
 }
 
 #[test]
+fn a_courtyard_has_as_many_triangles_as_asked_for_each_with_its_front_outside() {
+    for triangles in [100_000, 260_000, 2_000_000] {
+        let scene = courtyard(&Courtyard { triangles, seed: 1 });
+        let made: u32 = scene.draws.iter().map(|draw| draw.index_count / 3).sum();
+        let error = f64::from(made) / f64::from(triangles) - 1.0;
+        assert!(error.abs() <= 0.05, "{triangles} asked for, {made} made: {:.1} %", 100.0 * error);
+        check_normals(&scene, 0.001);
+        check_ranges(&scene, 600);
+    }
+}
+
+#[test]
 fn the_camera_sees_fronts_only_and_the_walls_keep_the_sky_out() {
     let scene = atrium(&Atrium { triangles: 60_000, seed: 1 });
     // Eyes in the court; in the lower and the upper gallery of a long side, of a short side, and in a corner.

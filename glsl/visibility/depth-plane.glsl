@@ -1,0 +1,10 @@
+// Depth of a point's plane (Linke 2016, section 5.4.1), no farther from its middle than the point's radius.
+#include "part/plane=visibility/plane-paraboloid"
+
+layout(location = 1) flat in vec4 plane;
+layout(location = 2) flat in vec2 reach;
+
+void put_depth(ivec2 texel) {
+    float depth = depth_of_plane(plane, (vec2(texel) + 0.5) * (2.0 / float(MAP_SIZE)) - 1.0);
+    gl_FragDepth = 1.0 - min(clamp(depth, reach.x, reach.y), 1.0);
+}
