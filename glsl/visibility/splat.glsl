@@ -33,14 +33,14 @@ uint passing_vpls(Point point, vec3 normal, uint first, uint count) {
     return passing;
 }
 
-// A square: where it is drawn, its side in texels, its map's corner, and the plane of its point in the map's space: normal, distance over
-// `far`, and the reach of the point's own distances over `far`.
+// A square: where it is drawn, its side in texels, its map's corner, the plane of its point in the map's space, and the nearest distance of the
+// point's disk. Distances are over `far`. The side may be up to a map's, over what a device draws: it then draws the largest that it has.
 struct Square {
     vec4 position;
     float side;
     ivec2 corner;
     vec4 plane;
-    vec2 reach;
+    float nearest;
 };
 #include "part/square=visibility/square-center"
 
@@ -58,6 +58,6 @@ Square square_of(Point point, vec3 normal, float radius, uint index) {
     vec2 texel = vec2(corner) + clamp((place_in_map(index, from, w) * 0.5 + 0.5) * float(MAP_SIZE), vec2(0.01), vec2(float(MAP_SIZE) - 0.01));
     vec4 position = vec4(texel / vec2(splat.size) * 2.0 - 1.0, 1.0 - min(d / splat.far, 1.0), 1.0);
     vec4 plane = vec4(plane_in_map(index, normal, axes), dot(normal, from) / splat.far);
-    vec2 reach = (d + radius * vec2(-1.0, 1.0)) / splat.far;
-    return Square(position, clamp(side, 1.0, float(MAP_SIZE)), corner, plane, reach);
+    float nearest = clamp((d - radius) / splat.far, 0.0, 1.0);
+    return Square(position, clamp(side, 1.0, float(MAP_SIZE)), corner, plane, nearest);
 }

@@ -144,18 +144,18 @@ fn add(g: &mut Graph, [pass, name]: [&'static str; 2], first: Image, second: Ima
 fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: Visibility, config: &GatherConfig) -> Indirect {
     let (gbuffer, interleave) = (around.gbuffer, around.wants.interleave);
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
-    let (tile, pixels) = match config.per_pixel.tile {
-        Tile::Square if config.per_pixel.culling == Culling::Tiled => ("gather/tile-square", [8, 8]),
-        Tile::Square | Tile::Wide => ("gather/tile-wide", [16, 8]),
-    };
-    let groups = interleave.groups(gbuffer.size, pixels);
+    let square = config.per_pixel.culling == Culling::Tiled && config.per_pixel.tile == Tile::Square;
+    let groups = interleave.groups(gbuffer.size, if square { [8, 8] } else { [16, 8] });
     let name = match config.per_pixel.culling {
         Culling::None => "gather/per-pixel",
         Culling::Tiled => "gather/tiled",
         Culling::Clustered => "gather/clustered",
     };
     let froxels = (config.per_pixel.culling == Culling::Clustered).then(|| froxels(g, gbuffer, vpls, interleave));
-    let mut pass = shadowed(g, name, visibility).part("tile", tile);
+    let mut pass = shadowed(g, name, visibility);
+    if square {
+        pass = pass.part("tile", "gather/tile-square");
+    }
     if let Some(Froxels { rows, lists, packed }) = froxels {
         pass = pass.reads("rows", rows).reads("lists", lists).constant("PARTS", parts(interleave)).constant("PACKED", packed);
     }

@@ -317,8 +317,8 @@ fn chair(detail: Detail) -> (Mesh, Mesh) {
         let deep = 0.19 + 0.09 * height;
         let at = |u: f32, v: f32, back: f32| Vec3::new(0.36 * u - 0.18, height + 0.07 * v - 0.035, deep + back + 0.12 * u * (1.0 - u));
         let cells = [detail.count(8.0, 2), detail.count(2.0, 1)];
-        wood.surface(cells, false, |u, v| at(u, v, 0.006), |u, v| Vec2::new(u, v));
-        wood.surface(cells, true, |u, v| at(u, v, -0.006), |u, v| Vec2::new(u, v));
+        wood.surface(cells, false, |u, v| at(u, v, 0.006), Vec2::new);
+        wood.surface(cells, true, |u, v| at(u, v, -0.006), Vec2::new);
     }
     seat.divided_cuboid(
         Vec3::new(-0.21, 0.43, -0.20),
