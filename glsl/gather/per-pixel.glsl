@@ -87,6 +87,6 @@ void shade_by(inout Quad q, Vpl mine, Lanes lanes, uint i, uvec4 see) {
 uvec2 sample_set() { return gl_WorkGroupID.xy % block_size(); }
 
 // Corner of the block of pixels that a workgroup shares with its neighbours of other sample sets.
-ivec2 block_corner(uvec2 group) { return ivec2(group / block_size() * gl_WorkGroupSize.xy * 2u * block_size()); }
+ivec2 block_corner(uvec2 group) { return ivec2(group / block_size() * tile_size() * 2u * block_size()); }
 
-ivec2 first_pixel() { return block_corner(gl_WorkGroupID.xy) + ivec2(gl_LocalInvocationID.xy * 2u * block_size() + sample_set()); }
+ivec2 first_pixel() { return block_corner(gl_WorkGroupID.xy) + ivec2(place_in_tile() * 2u * block_size() + sample_set()); }

@@ -17,6 +17,7 @@ layout(scalar) uniform SplatBlock {
     uint collected;  // VPLs that a point is drawn for, at most
     float far;       // metres
     float enlarge;
+    float largest;   // side of a square, texels
 } splat;
 
 layout(scalar) readonly buffer Places { VplPlace at[]; } places;
@@ -59,5 +60,5 @@ Square square_of(Point point, vec3 normal, float radius, uint index) {
     vec4 position = vec4(texel / vec2(splat.size) * 2.0 - 1.0, 1.0 - min(d / splat.far, 1.0), 1.0);
     vec4 plane = vec4(plane_in_map(index, normal, axes), dot(normal, from) / splat.far);
     float nearest = clamp((d - radius) / splat.far, 0.0, 1.0);
-    return Square(position, clamp(side, 1.0, float(MAP_SIZE)), corner, plane, nearest);
+    return Square(position, clamp(side, 1.0, splat.largest), corner, plane, nearest);
 }

@@ -63,6 +63,10 @@ pub struct IsmConfig {
     /// Limits a point's size by its normal.
     pub normals: bool,
     pub splat_depth: SplatDepth,
+    /// Side of a splat, texels, at most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 256), extend("x-default" = "that of a map"))]
+    pub largest_splat: Option<u32>,
     /// Imperfect shadow maps that the VPLs of `"every-texel"` share, at most. Neighbouring VPLs see nearly the same.
     #[schemars(range(min = 1, max = 65_536))]
     pub shared_maps: u32,
@@ -86,6 +90,7 @@ impl Default for IsmConfig {
             enlarge: None,
             normals: false,
             splat_depth: SplatDepth::Center,
+            largest_splat: None,
             shared_maps: 1024,
             pull_push: PullPushConfig::default(),
         }
@@ -282,7 +287,7 @@ impl VisibilityConfig {
             if ism.renderer == IsmRenderer::Splat {
                 unused.push(Unused::new(&["visibility.ism.pull_push"], &["visibility.ism.renderer"]));
             } else {
-                unused.push(Unused::new(&["visibility.ism.splat_depth"], &["visibility.ism.renderer"]));
+                unused.push(Unused::new(&["visibility.ism.splat_depth", "visibility.ism.largest_splat"], &["visibility.ism.renderer"]));
                 // Points with normals have ellipses and their planes' depths, and those of a sky's maps an interval of their own.
                 if !of_vpls || ism.normals || !ism.distortion {
                     let because: &[&'static str] = if !of_vpls {

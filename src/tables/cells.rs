@@ -74,6 +74,10 @@ pub struct Results {
     pub columns: Vec<String>,
     /// Cells, row by row.
     pub cells: Vec<Vec<Cell>>,
+    /// Scenes of the runs with their triangles, in words.
+    pub scenes: Vec<String>,
+    /// Warnings of the runs, each once.
+    pub warnings: Vec<String>,
     /// Runs by key, with their labels and differing keys.
     pub runs: BTreeMap<String, Value>,
     pub references: Vec<String>,
@@ -91,6 +95,16 @@ pub fn results(table: &Table, plan: &Plan, folder: &Path) -> Result<Results> {
         records.insert(run.key.as_str(), read_json(&run_folder(folder, run).join(RECORD))?);
     }
     let origin = origin(folder, &records)?;
+    let mut scenes: Vec<String> = plan.runs.iter().filter_map(|run| scene_of(records.get(run.key.as_str())?)).collect();
+    let warned = |record: &Value| {
+        let list = record["warnings"].as_array().cloned().unwrap_or_default();
+        list.into_iter().filter_map(|warning| warning.as_str().map(str::to_owned)).collect::<Vec<_>>()
+    };
+    let mut warnings: Vec<String> = plan.runs.iter().filter_map(|run| records.get(run.key.as_str())).flat_map(warned).collect();
+    for list in [&mut scenes, &mut warnings] {
+        let mut seen = std::collections::BTreeSet::new();
+        list.retain(|line| seen.insert(line.clone()));
+    }
     let mut source = Source { table, plan, folder, records, compared: BTreeMap::new() };
     let mut cells: Vec<Vec<Cell>> = Vec::new();
     for row in 0..table.rows.len() {
@@ -149,10 +163,30 @@ pub fn results(table: &Table, plan: &Plan, folder: &Path) -> Result<Results> {
         rows: table.rows.iter().map(|line| line.name.clone()).collect(),
         columns: table.columns.iter().map(|line| line.name.clone()).collect(),
         cells,
+        scenes,
+        warnings,
         runs: plan.runs.iter().map(run).collect(),
         references: references.into_iter().collect(),
         reference_error,
     })
+}
+
+/// Scene of a run in words, with its triangles.
+fn scene_of(record: &Value) -> Option<String> {
+    let scene = &record["config"]["scene"];
+    let name = match scene["file"].as_str() {
+        Some(file) => Path::new(file).file_name()?.to_string_lossy().into_owned(),
+        None => format!("built-in {}", scene["builtin"].as_str()?),
+    };
+    let triangles = record["counts"]["scene/triangles"].as_u64();
+    Some(triangles.map_or_else(|| name.clone(), |triangles| format!("{name} ({} triangles)", in_thousands(triangles))))
+}
+
+/// A number with commas.
+fn in_thousands(number: u64) -> String {
+    let digits = number.to_string();
+    let groups: Vec<&str> = digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();
+    groups.join(",")
 }
 
 /// Device and timing mode of the runs, which must agree in these, in version and in shaders.
@@ -244,13 +278,17 @@ impl Source<'_> {
 
     fn found(&mut self, what: &What, row: usize, column: usize, seed: usize, cell: &mut Cell) -> Result<Found> {
         if let What::Ratio { of, over } = what {
-            let mut values = [0.0; 2];
-            for (value, place) in values.iter_mut().zip([of, over]) {
+            let (mut values, mut units) = ([0.0; 2], [""; 2]);
+            for ((value, of_unit), place) in values.iter_mut().zip(&mut units).zip([of, over]) {
                 let (row, column) = place.from(row, column);
                 match self.cell(row, column)? {
-                    Cell { value: Some(found), .. } => *value = found,
+                    Cell { value: Some(found), unit, .. } => (*value, *of_unit) = (found, unit),
                     Cell { why, .. } => return Ok(Err(why.unwrap_or_default())),
                 }
+            }
+            // VPLs a pixel are no factor.
+            if units == [""; 2] {
+                cell.unit = "";
             }
             return Ok(Ok(values[0] / values[1]));
         }

@@ -124,7 +124,9 @@ fn lines(results: &Results) -> Vec<Vec<String>> {
         lines.push(std::iter::once(name.clone()).chain(cells.iter().map(ours)).collect());
         let mut under = |name: String, figure: &dyn Fn(&Cell) -> Option<String>| {
             let figures: Vec<Option<String>> = cells.iter().map(figure).collect();
-            if figures.iter().any(Option::is_some) {
+            // A whole over itself says nothing.
+            let says_something = figures.iter().flatten().any(|figure| !["100.0 %", "1x"].contains(&figure.as_str()));
+            if says_something {
                 let figures = figures.into_iter().map(Option::unwrap_or_default);
                 lines.push(std::iter::once(format!("{INDENT}{name}")).chain(figures).collect());
             }
@@ -148,6 +150,30 @@ impl Results {
         sizes.sort_unstable_by_key(|[width, height]| std::cmp::Reverse(width * height));
         sizes.dedup();
         sizes.into_iter().map(|[width, height]| format!("{width}x{height}")).collect()
+    }
+}
+
+impl Results {
+    /// What our times are: their mode, the number of frames, and how these spread.
+    fn times(&self) -> Option<String> {
+        let timed: Vec<&Cell> = self.cells.iter().flatten().filter(|cell| cell.unit == "ms" && cell.value.is_some()).collect();
+        let frames: std::collections::BTreeSet<u64> = timed.iter().filter_map(|cell| cell.n).collect();
+        let frames: Vec<String> = frames.iter().map(u64::to_string).collect();
+        let half = |cell: &&Cell| Some(0.5 * (cell.p95? - cell.p5?) / cell.value.filter(|value| *value > 0.0)?);
+        let mut spreads: Vec<f64> = timed.iter().filter_map(half).collect();
+        spreads.sort_unstable_by(f64::total_cmp);
+        let (middle, worst) = (spreads.get(spreads.len() / 2)?, spreads.last()?);
+        let mode = match self.timing_mode.as_deref() {
+            Some("isolated") => "each pass by itself, between barriers",
+            Some("overlapped") => "passes overlap",
+            _ => "each pass in a submission of its own",
+        };
+        Some(format!(
+            "times: medians of {} frames, {mode}; nine frames of ten are within ±{:.0} % of theirs, ±{:.0} % at worst",
+            frames.join(" or "),
+            100.0 * middle,
+            100.0 * worst
+        ))
     }
 }
 
@@ -198,18 +224,25 @@ fn digits(value: f64) -> String {
     format!("{value:.*}", decimals as usize)
 }
 
+/// Warnings of runs that a page shows.
+const MOST_WARNINGS: usize = 3;
+
 /// Provenance of the figures, and notes for readers.
 fn notes(results: &Results) -> Vec<String> {
     let mut notes = Vec::new();
     match &results.device {
-        Some(device) => notes.push(format!(
-            "ours: {}, {}; {}; {} timing, medians; manylight {}",
-            device.label(),
-            device.driver_label(),
-            results.sizes().join(", "),
-            results.timing_mode.as_deref().unwrap_or("unknown"),
-            results.version
-        )),
+        Some(device) => {
+            let scenes = results.scenes.iter().map(|scene| format!("{scene}; ")).collect::<String>();
+            let no_gpu = if device.kind == "cpu" { " (a processor, no GPU)" } else { "" };
+            notes.push(format!(
+                "ours: {scenes}{}; {}, {}{no_gpu}; manylight {}",
+                results.sizes().join(", "),
+                device.label(),
+                device.driver_label(),
+                results.version
+            ));
+            notes.extend(results.times());
+        }
         None => notes.push("ours: nothing has been run".to_owned()),
     }
     let counts: std::collections::BTreeSet<u64> =
@@ -241,9 +274,18 @@ fn notes(results: &Results) -> Vec<String> {
     if !results.sets.is_empty() {
         notes.push(format!("changed in every cell: {}", results.sets.join(", ")));
     }
-    let missing: Vec<&str> = results.cells.iter().flatten().filter_map(|cell| cell.why.as_deref()).collect();
+    let of_row = |(row, cells): (&String, &Vec<Cell>)| {
+        let named = results.columns.iter().zip(cells);
+        named.filter_map(|(column, cell)| Some(format!("{row}, {column}: {}", cell.why.as_deref()?))).collect::<Vec<_>>()
+    };
+    let missing: Vec<String> = results.rows.iter().zip(&results.cells).flat_map(of_row).collect();
     if let Some(first) = missing.first() {
-        notes.push(format!("{} of {} cells are empty, the first: {first}", missing.len(), results.cells.iter().flatten().count()));
+        notes.push(format!("{} of {} cells have no figure ({first})", missing.len(), results.cells.iter().flatten().count()));
+    }
+    // A sweep can have one warning with another number in every run.
+    notes.extend(results.warnings.iter().take(MOST_WARNINGS).map(|warning| format!("warning: {warning}")));
+    if results.warnings.len() > MOST_WARNINGS {
+        notes.push(format!("{} more warnings are in the runs' run.json", results.warnings.len() - MOST_WARNINGS));
     }
     notes.extend(results.deviations.iter().map(|deviation| format!("note: {deviation}")));
     notes

@@ -288,3 +288,22 @@ fn a_shadow_map_of_its_own_shadows_as_the_reflective_map_does_that_covers_everyt
     }
     finish(renderer.gpu());
 }
+
+#[test]
+fn maps_larger_than_the_device_allows_are_refused_by_the_name_of_their_key() {
+    let renderer = renderer(plane(Vec3::Y));
+    let light = directional(Vec3::NEG_Y, [1.0; 3]);
+    let fine = plain([16, 16], Vec3::new(0.0, 4.0, 4.0), Vec3::ZERO, 60.0, light);
+    renderer.check(&fine).unwrap();
+    for (key, change) in [
+        ("rsm.size", (|config: &mut Config| config.rsm.size = [16, 1 << 20]) as fn(&mut Config)),
+        ("direct.map_size", |config| config.direct.map_size = Some([1 << 20, 16])),
+    ] {
+        let mut config = fine.clone();
+        config.direct.shadows = Shadows::PercentageCloser;
+        change(&mut config);
+        let error = renderer.check(&config).unwrap_err().to_string();
+        assert!(error.starts_with(key) && error.contains("is over the"), "{error}");
+    }
+    finish(renderer.gpu());
+}

@@ -22,6 +22,7 @@ shader_struct! {
         collected: u32,
         far: f32,
         enlarge: f32,
+        largest: f32,
     }
 
     /// `VkDrawIndirectCommand`.
@@ -58,6 +59,7 @@ pub(super) fn render(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, proje
             collected: collected(config, vpls.count),
             far: around.scene.bounds().size().length(),
             enlarge: config.ism.enlarge.unwrap_or(SPLAT_ENLARGE),
+            largest: config.ism.largest_splat.unwrap_or(config.ism.map_size) as f32,
         }],
     );
     let drawing = Drawing { around, vpls, projection, config, block, splats };
