@@ -11,10 +11,11 @@ bool is_in_the_way(Point point, vec3 normal, vec3 way, vec3 facing) { return abs
 
 vec2 place_in_map(uint vpl, vec3 from, vec3 w) { return vec2(dot(frames.at[vpl].right, from), dot(frames.at[vpl].up, from)); }
 
-// Steps of the place by one are steps in the world, since a frame's vectors are at right angles.
+// Steps of the place by one, over `far` as depths are. A frame's vectors are at right angles.
 vec3 plane_in_map(uint vpl, vec3 normal, mat3 axes) {
-    vec3 right = frames.at[vpl].right, up = frames.at[vpl].up;
-    return vec3(dot(normal, right) / dot(right, right), dot(normal, up) / dot(up, up), dot(normal, axes[2]));
+    SkyFrame frame = frames.at[vpl];
+    vec2 steps = vec2(dot(normal, frame.right) / dot(frame.right, frame.right), dot(normal, frame.up) / dot(frame.up, frame.up));
+    return vec3(steps * (frame.extent * frame.scale), dot(normal, axes[2]));
 }
 
 float radius_in_map(uint vpl, float r, float d, float cosine) { return r * frames.at[vpl].scale; }

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use glam::{DVec3, Vec3};
-use manylight::config::{self, Block, Config, FilterKind, IsmRenderer, LightConfig, SkyVisibility};
+use manylight::config::{self, Block, Config, FilterKind, IsmRenderer, LightConfig, SkyVisibility, SplatDepth};
 use manylight::output::exr::Precision;
 use manylight::output::{ExrLayer, write_exr};
 use manylight::presets;
@@ -188,20 +188,22 @@ fn a_box_on_a_plane_has_the_references_direct_light() {
         config.filter.kind = FilterKind::Bilateral;
         let sums = reference(&mut renderer, &config, centered(0), 1024);
         let truth: Vec<Vec3> = sums.mean(Sum::Direct).iter().map(|t| Vec3::new(t[0], t[1], t[2])).collect();
-        let mut off = |visibility, renderer_of_points, side| {
+        let mut off = |visibility, renderer_of_points, depth| {
             config.sky.visibility = visibility;
             config.visibility.ism.renderer = renderer_of_points;
-            config.sky.map_size = side;
+            config.sky.map_size = 128;
+            config.visibility.ism.splat_depth = depth;
             let found = direct(&mut renderer, &config);
             let rmse = found.iter().zip(&truth).map(|(a, b)| f64::from((*a - *b).length_squared())).sum::<f64>() / truth.len() as f64;
             let off = energy(&found) / energy(&truth) - 1.0;
-            println!("{name}, {visibility:?}, {renderer_of_points:?} {side}: energy {:+.4}, rmse {:.4}", off, rmse.sqrt());
+            println!("{name}, {visibility:?}, {renderer_of_points:?}, {depth:?}: energy {:+.4}, rmse {:.4}", off, rmse.sqrt());
             off.abs()
         };
-        assert!(off(SkyVisibility::RayTraced, IsmRenderer::SinglePixel, 128) < 0.03, "{name} by rays");
-        assert!(off(SkyVisibility::ImperfectShadowMaps, IsmRenderer::SinglePixel, 128) < 0.08, "{name} by single pixels");
-        assert!(off(SkyVisibility::ImperfectShadowMaps, IsmRenderer::Splat, 128) < 0.08, "{name} by splats");
-        assert!(off(SkyVisibility::None, IsmRenderer::SinglePixel, 128) > 0.08, "{name}: the box throws a shadow");
+        assert!(off(SkyVisibility::RayTraced, IsmRenderer::SinglePixel, SplatDepth::Center) < 0.03, "{name} by rays");
+        assert!(off(SkyVisibility::ImperfectShadowMaps, IsmRenderer::SinglePixel, SplatDepth::Center) < 0.08, "{name} by single pixels");
+        assert!(off(SkyVisibility::ImperfectShadowMaps, IsmRenderer::Splat, SplatDepth::Center) < 0.08, "{name} by splats");
+        assert!(off(SkyVisibility::ImperfectShadowMaps, IsmRenderer::Splat, SplatDepth::Plane) < 0.08, "{name} by splats' planes");
+        assert!(off(SkyVisibility::None, IsmRenderer::SinglePixel, SplatDepth::Center) > 0.08, "{name}: the box throws a shadow");
     }
     finish(renderer.gpu());
 }

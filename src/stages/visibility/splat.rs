@@ -104,14 +104,17 @@ impl Drawing<'_> {
         let pass = g.raster(name);
         let pass = match projection {
             Projection::Paraboloid => pass,
-            Projection::Orthographic(frames) => pass
-                .part("projection", "visibility/projection-orthographic")
-                .part("plane", "visibility/plane-orthographic")
-                .reads("frames", *frames),
+            Projection::Orthographic(frames) => pass.part("projection", "visibility/projection-orthographic").reads("frames", *frames),
+        };
+        let plane = match projection {
+            Projection::Paraboloid => "visibility/plane-paraboloid",
+            Projection::Orthographic(_) => "visibility/plane-orthographic",
         };
         let pass = match config.ism.splat_depth {
             SplatDepth::Center => pass,
-            SplatDepth::Plane => pass.part("square", "visibility/square-plane").part("depth", "visibility/depth-plane"),
+            SplatDepth::Plane => {
+                pass.part("square", "visibility/square-plane").part("depth", "visibility/depth-plane").part("plane", plane)
+            }
         };
         pass.reads("draws", around.scene.draws)
             .reads("places", vpls.places)
