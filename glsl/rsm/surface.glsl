@@ -31,6 +31,7 @@ uniform sampler2DArray metallic_roughness_map;
 
 // Mean of a texture.
 vec4 mean_of(sampler2DArray map, vec3 coordinates) {
+    // The coarsest mip.
     if (WHOLE_MAPS) return textureLod(map, coordinates, 32.0);
     return mean_over(map, coordinates, params.albedo_lod);
 }

@@ -124,20 +124,28 @@ fn lines(results: &Results) -> Vec<Vec<String>> {
         lines.push(std::iter::once(name.clone()).chain(cells.iter().map(ours)).collect());
         let mut under = |name: String, figure: &dyn Fn(&Cell) -> Option<String>| {
             let figures: Vec<Option<String>> = cells.iter().map(figure).collect();
-            // A whole over itself says nothing.
-            let says_something = figures.iter().flatten().any(|figure| !["100.0 %", "1x"].contains(&figure.as_str()));
-            if says_something {
+            if figures.iter().any(Option::is_some) {
                 let figures = figures.into_iter().map(Option::unwrap_or_default);
                 lines.push(std::iter::once(format!("{INDENT}{name}")).chain(figures).collect());
             }
         };
         let share = results.share_of.as_ref().map_or_else(String::new, |whole| format!("share of {whole}"));
         let over = results.relative_to.as_ref().map_or_else(String::new, |base| format!("over {base}"));
-        under(share.clone(), &|cell| cell.share.map(percent));
-        under(over.clone(), &|cell| cell.relative.map(|ratio| figure(ratio, "x")));
+        // A line of wholes over themselves says nothing.
+        let says = |of: fn(&Cell) -> Option<f64>| cells.iter().filter_map(of).any(|ratio| ratio != 1.0);
+        if says(|cell| cell.share) {
+            under(share.clone(), &|cell| cell.share.map(percent));
+        }
+        if says(|cell| cell.relative) {
+            under(over.clone(), &|cell| cell.relative.map(|ratio| figure(ratio, "x")));
+        }
         under("paper".to_owned(), &|cell| cell.published.map(|value| as_published(value, cell.unit)));
-        under(format!("paper, {share}"), &|cell| cell.published_share.map(percent));
-        under(format!("paper, {over}"), &|cell| cell.published_relative.map(|ratio| figure(ratio, "x")));
+        if says(|cell| cell.published_share) {
+            under(format!("paper, {share}"), &|cell| cell.published_share.map(percent));
+        }
+        if says(|cell| cell.published_relative) {
+            under(format!("paper, {over}"), &|cell| cell.published_relative.map(|ratio| figure(ratio, "x")));
+        }
     }
     lines
 }
@@ -151,9 +159,7 @@ impl Results {
         sizes.dedup();
         sizes.into_iter().map(|[width, height]| format!("{width}x{height}")).collect()
     }
-}
 
-impl Results {
     /// What our times are: their mode, the number of frames, and how these spread.
     fn times(&self) -> Option<String> {
         let timed: Vec<&Cell> = self.cells.iter().flatten().filter(|cell| cell.unit == "ms" && cell.value.is_some()).collect();

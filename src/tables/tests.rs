@@ -121,10 +121,11 @@ fn a_sweep_is_scaled_shortened_and_changed_as_a_whole() {
 fn leave(folder: &Path, plan: &Plan, run: usize, gather: f64, kind: &str) {
     let own = run_folder(folder, &plan.runs[run]);
     std::fs::create_dir_all(&own).unwrap();
-    let row = |name: &str, ms: f64| json!({ "name": name, "median": ms, "p5": ms, "p95": ms, "n": 2, "share": 1.0 });
+    let row = |name: &str, ms: f64| json!({ "name": name, "median": ms, "p5": 0.9 * ms, "p95": 1.1 * ms, "n": 2, "share": 1.0 });
     let record = json!({
         "version": "0.1.0", "shaders": "a key", "timing_mode": "isolated",
         "device": { "name": "a device", "kind": kind, "driver": "a driver", "driver_version": "1" },
+        "config": { "scene": { "file": "/somewhere/hall.glb" } }, "counts": { "scene/triangles": 1_234_567 }, "warnings": ["it is dark"],
         "timings": { "stages": [row("gather", gather)], "passes": [row("gather/per-pixel", gather)], "total": row("", 2.0 * gather) },
     });
     std::fs::write(own.join("run.json"), record.to_string()).unwrap();
@@ -138,6 +139,7 @@ fn cells_come_from_the_folders_of_runs_with_the_papers_and_both_as_shares_and_ra
     let (table, folder) = (small(), tempfile::tempdir().unwrap());
     let plan = Plan::of(&table, &Sweep::default()).unwrap();
     let results = cells::results(&table, &plan, folder.path()).unwrap();
+    assert!(print::text(&results).contains("8 of 8 cells have no figure (one, gather: its run is missing)"), "{}", print::text(&results));
     assert!(!results.complete && results.cells.iter().flatten().all(|cell| cell.value.is_none() && cell.why.is_some()));
     for kind in ["gpu", "cpu"] {
         leave(folder.path(), &plan, 0, 30.0, kind);
@@ -169,14 +171,20 @@ fn cells_come_from_the_folders_of_runs_with_the_papers_and_both_as_shares_and_ra
             let last = lines.last().unwrap_or_else(|| panic!("{name}: {text}"));
             assert!(figures.iter().all(|figure| last.contains(figure)), "{name}: {text}");
         }
-        assert!(text.contains("64x36") && text.contains("another box") && text.contains("different hardware"), "{text}");
+        assert_eq!(under("  over one").len(), 1, "the line of the whole itself is left out: {text}");
+        assert!(text.contains("ours: hall.glb (1,234,567 triangles); 64x36; a device"), "{text}");
+        assert!(text.contains("(a processor, no GPU)") == (kind == "cpu"), "{text}");
+        assert!(text.contains("times: medians of 2 frames, each pass by itself, between barriers; nine frames of ten"), "{text}");
+        assert!(text.contains("within ±10 % of theirs, ±10 % at worst"), "{text}");
+        assert_eq!(text.matches("warning: it is dark").count(), 1, "both runs have it: {text}");
+        assert!(text.contains("another box") && text.contains("different hardware"), "{text}");
         let markdown = print::markdown(&results);
         assert!(markdown.contains("| *paper, share of frame* | 25.0 % | 100.0 % |"), "{markdown}");
         results.write(folder.path()).unwrap();
         let csv = std::fs::read_to_string(folder.path().join("table.csv")).unwrap();
         assert_eq!(csv.lines().count(), 9);
         assert!(csv.contains("small,four,speed-up,ratio,x,15,,,,,,"), "{csv}");
-        assert!(csv.contains("small,four,gather,time of gather,ms,2,2,2,,2,10,0.5,0.25,"), "{csv}");
+        assert!(csv.contains("small,four,gather,time of gather,ms,2,1.8,2.2,,2,10,0.5,0.25,"), "{csv}");
     }
 }
 

@@ -42,6 +42,12 @@ pub struct TableFile {
     /// Shares that make up a whole.
     #[serde(default)]
     pub stacks: Vec<Stack>,
+    /// Scenes of the runs with their triangles, in words.
+    #[serde(default)]
+    pub scenes: Vec<String>,
+    /// Warnings of the runs, each once.
+    #[serde(default)]
+    pub warnings: Vec<String>,
     /// Differences of our runs from the paper's.
     #[serde(default)]
     pub deviations: Vec<String>,

@@ -153,14 +153,19 @@ pub fn notes(table: &TableFile, view: &TableView, runs: &[Run]) -> Vec<String> {
         [] => String::new(),
         texts => format!("Ours differs: {}", texts.iter().map(sentence).collect::<Vec<_>>().join(" ")),
     };
-    let notes = [origin(table, runs), how.join(" "), paper.join(" "), deviations];
+    let warnings = match table.warnings.as_slice() {
+        [] => String::new(),
+        texts => format!("Warnings: {}", texts.iter().map(sentence).collect::<Vec<_>>().join(" ")),
+    };
+    let notes = [origin(table, runs), how.join(" "), paper.join(" "), warnings, deviations];
     notes.into_iter().filter(|note| !note.is_empty()).collect()
 }
 
-/// Device, driver and timing mode of a table, and the resolutions and presets of its runs.
+/// Scenes, device, driver and timing mode of a table, and the resolutions and presets of its runs.
 fn origin(table: &TableFile, runs: &[Run]) -> String {
     let device = format!("{}, {}", table.device.label(), table.device.driver_label());
-    let mut all = vec![device, format!("{} timing", table.timing_mode)];
+    let mut all = table.scenes.clone();
+    all.extend([device, format!("{} timing", table.timing_mode)]);
     let distinct = |part: fn(&Run) -> String| runs.iter().map(part).collect::<BTreeSet<_>>().into_iter().collect::<Vec<_>>().join(", ");
     if !runs.is_empty() {
         all.push(format!("{} pixels", distinct(|run| format!("{} × {}", run.record.from.width, run.record.from.height))));
@@ -234,12 +239,16 @@ mod tests {
     #[test]
     fn a_table_says_how_it_was_run_and_what_it_is_held_against() {
         let mut table = table("cpu");
+        (table.scenes, table.warnings) = (vec!["a room (12 triangles)".to_owned()], vec!["it is dark".to_owned()]);
         table.deviations = vec!["another scene".to_owned(), "Another light.".to_owned()];
         table.published = Some(Published { hardware: Some("a GPU".to_owned()), scene: None, settings: Some("1024 VPLs".to_owned()) });
         (table.scale, table.quick, table.complete) = (0.5, true, false);
         (table.share_of, table.relative_to) = (Some("the frame".to_owned()), Some("1x1".to_owned()));
         let notes = notes(&table, &view(&table), &[run("a"), run("b")]);
-        assert_eq!(notes[0], "d [cpu], e 1; isolated timing; 960 × 540 pixels; preset first-light; manylight 0.1.0.");
+        assert_eq!(
+            notes[0],
+            "a room (12 triangles); d [cpu], e 1; isolated timing; 960 × 540 pixels; preset first-light; manylight 0.1.0."
+        );
         let text = notes.join("\n");
         for part in [
             "Incomplete",
@@ -250,6 +259,7 @@ mod tests {
             "different hardware",
             "share of the frame",
             "over that of 1x1",
+            "Warnings: it is dark.",
             "Ours differs: another scene. Another light.",
         ] {
             assert!(text.contains(part), "{part}: {text}");

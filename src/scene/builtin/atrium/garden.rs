@@ -40,14 +40,14 @@ impl Greens {
 }
 
 /// What the garden is made from. At level 1 it has about two million triangles.
-pub struct Bed {
+pub struct GardenPlan {
     pub detail: Detail,
     pub seed: u32,
     pub palette: Palette,
     pub greens: Greens,
 }
 
-impl Bed {
+impl GardenPlan {
     /// Number of leaves of a plant that has `full` at level 1.
     fn leaves(&self, full: f32) -> usize {
         ((full * self.detail.0 * self.detail.0) as usize).max(12)
@@ -64,9 +64,9 @@ impl Bed {
     }
 }
 
-pub fn parts(bed: &Bed) -> Vec<Part> {
-    let makers: &[fn(&Bed) -> Vec<Part>] = &[trees, shrubs, ivy, ferns, furniture];
-    super::parts::of_all(makers, bed)
+pub fn parts(plan: &GardenPlan) -> Vec<Part> {
+    let makers: &[fn(&GardenPlan) -> Vec<Part>] = &[trees, shrubs, ivy, ferns, furniture];
+    super::parts::of_all(makers, plan)
 }
 
 /// A folded leaf of four triangles, along `lean`, with its upper side towards `up`.
@@ -116,7 +116,7 @@ impl Twig {
 }
 
 /// A ball of twigs: leaves of a crown or a bush.
-fn ball(bed: &Bed, random: &mut Random, center: Vec3, radii: Vec3, leaves: usize, size: f32) -> Mesh {
+fn ball(plan: &GardenPlan, random: &mut Random, center: Vec3, radii: Vec3, leaves: usize, size: f32) -> Mesh {
     let mut mesh = Mesh::default();
     let each = 22.min(leaves);
     let twigs = (leaves / each).max(1);
@@ -127,26 +127,26 @@ fn ball(bed: &Bed, random: &mut Random, center: Vec3, radii: Vec3, leaves: usize
         let depth = 1.0 - 0.55 * random.unit().powi(2);
         let foot = center + out * radii * (depth * lobes * 0.9);
         let along = (out + Vec3::new(random.range(-0.6, 0.6), random.range(-0.3, 0.5), random.range(-0.6, 0.6))).normalize();
-        let twig = Twig { foot, along, length: 0.13 * radii.max_element(), leaves: each, leaf: bed.leaf(size), slender: 0.45 };
+        let twig = Twig { foot, along, length: 0.13 * radii.max_element(), leaves: each, leaf: plan.leaf(size), slender: 0.45 };
         twig.grow(&mut mesh, random);
     }
     mesh
 }
 
 /// Laurel trees in round beds, of two kinds.
-fn trees(bed: &Bed) -> Vec<Part> {
-    let detail = bed.solid();
+fn trees(plan: &GardenPlan) -> Vec<Part> {
+    let detail = plan.solid();
     let spots = [[(-8.2, -2.3, 0.4), (-0.6, 2.95, 2.2), (6.6, -2.95, 4.0)], [(-7.0, 2.9, 1.3), (2.2, -3.0, 5.2), (6.6, 3.0, 3.1)]];
     let mut parts = Vec::new();
     for (kind, spots) in spots.iter().enumerate() {
-        let mut random = Random::new(bed.seed ^ (0x1a0e + kind as u32));
+        let mut random = Random::new(plan.seed ^ (0x1a0e + kind as u32));
         let places: Vec<Affine3A> = spots.iter().map(|(x, z, turn)| place(*x, 0.0, *z, *turn)).collect();
         let (height, wide) = ([3.1, 3.6][kind], [1.85, 1.6][kind]);
         let mut wood = Mesh::default();
         let bark =
             Profile::from(0.24, 0.0).curve((0.14, 0.2), (0.13, 0.8), 4.0).curve((0.11, 1.6), (0.09, height), 6.0).line(0.05, height + 0.9);
         wood.lathe(&bark, detail.count(14.0, 4), detail, 0.6);
-        let mut crown = ball(bed, &mut random, Vec3::Y * (height + 1.2), Vec3::new(wide, 1.35, wide), bed.leaves(23_000.0), 0.12);
+        let mut crown = ball(plan, &mut random, Vec3::Y * (height + 1.2), Vec3::new(wide, 1.35, wide), plan.leaves(23_000.0), 0.12);
         for i in 0..9 {
             let turn = TAU * (i as f32 + random.range(-0.25, 0.25)) / 9.0;
             let (lean, length, from) = (random.range(0.45, 1.05), random.range(1.1, 1.7), random.range(height - 1.0, height + 0.4));
@@ -158,7 +158,7 @@ fn trees(bed: &Bed) -> Vec<Part> {
             // A ball of leaves about the limb's end.
             let end = Vec3::Y * from + turned * Vec3::Y * length;
             let size = random.range(0.55, 0.8);
-            let part = ball(bed, &mut random, end, Vec3::new(size, 0.75 * size, size), bed.leaves(1_900.0), 0.12);
+            let part = ball(plan, &mut random, end, Vec3::new(size, 0.75 * size, size), plan.leaves(1_900.0), 0.12);
             crown.append(&part, Affine3A::IDENTITY);
         }
         let kerb = Profile::from(0.85, 0.0).line(0.85, 0.28).torus(0.03, 0.34, 3.0).line(0.70, 0.34).line(0.70, 0.24);
@@ -166,19 +166,19 @@ fn trees(bed: &Bed) -> Vec<Part> {
         edge.lathe(&kerb, detail.count(36.0, 8), detail, 1.5);
         soil.lathe(&Profile::from(0.72, 0.27).line(0.1, 0.30), detail.count(24.0, 8), detail, 0.5);
         parts.extend([
-            Part::at(wood, bed.palette.bark, places.clone()),
-            Part::at(crown, bed.greens.laurel, places.clone()),
-            Part::merged(&edge, bed.palette.stone, &places),
-            Part::merged(&soil, bed.palette.soil, &places),
+            Part::at(wood, plan.palette.bark, places.clone()),
+            Part::at(crown, plan.greens.laurel, places.clone()),
+            Part::merged(&edge, plan.palette.stone, &places),
+            Part::merged(&soil, plan.palette.soil, &places),
         ]);
     }
     parts
 }
 
 /// Shrubs in pots along the columns.
-fn shrubs(bed: &Bed) -> Vec<Part> {
-    let detail = bed.solid();
-    let mut random = Random::new(bed.seed ^ 0x54b5);
+fn shrubs(plan: &GardenPlan) -> Vec<Part> {
+    let detail = plan.solid();
+    let mut random = Random::new(plan.seed ^ 0x54b5);
     let mut places = Vec::new();
     for side in Side::all() {
         // The court's agaves stand before the others of the long sides.
@@ -198,20 +198,20 @@ fn shrubs(bed: &Bed) -> Vec<Part> {
     let (mut pot, mut soil) = (Mesh::default(), Mesh::default());
     pot.lathe(&profile, detail.count(24.0, 6), detail, 0.7);
     soil.lathe(&Profile::from(0.27, 0.42).line(0.0, 0.44), detail.count(16.0, 6), detail, 0.5);
-    let leaves = ball(bed, &mut random, Vec3::Y * 0.95, Vec3::new(0.42, 0.52, 0.42), bed.leaves(5_200.0), 0.085);
+    let leaves = ball(plan, &mut random, Vec3::Y * 0.95, Vec3::new(0.42, 0.52, 0.42), plan.leaves(5_200.0), 0.085);
     vec![
-        Part::at(pot, bed.palette.terracotta, places.clone()),
-        Part::merged(&soil, bed.palette.soil, &places),
-        Part::at(leaves, bed.greens.shrub, places),
+        Part::at(pot, plan.palette.terracotta, places.clone()),
+        Part::merged(&soil, plan.palette.soil, &places),
+        Part::at(leaves, plan.greens.shrub, places),
     ]
 }
 
 /// Ivy that winds up every second column of the lower storey.
-fn ivy(bed: &Bed) -> Vec<Part> {
-    let mut random = Random::new(bed.seed ^ 0x1f7);
+fn ivy(plan: &GardenPlan) -> Vec<Part> {
+    let mut random = Random::new(plan.seed ^ 0x1f7);
     let places: Vec<Affine3A> = all_columns().into_iter().step_by(2).collect();
     let mut mesh = Mesh::default();
-    let leaves = bed.leaves(2_600.0);
+    let leaves = plan.leaves(2_600.0);
     for i in 0..leaves {
         let t = (i as f32 + random.unit()) / leaves as f32;
         // Three shoots, which spread downwards.
@@ -222,16 +222,16 @@ fn ivy(bed: &Bed) -> Vec<Part> {
         let foot = out * (0.30 + 0.06 * random.unit()) + Vec3::Y * (PLINTH + 0.45 + 2.5 * t);
         let along = Vec3::new(-sin, 0.0, cos) * random.range(-0.8, 0.8);
         let lean = (out * random.range(0.25, 0.8) - Vec3::Y * random.range(0.3, 1.0) + along).normalize();
-        let size = bed.leaf(0.085) * random.range(0.7, 1.2);
+        let size = plan.leaf(0.085) * random.range(0.7, 1.2);
         leaf(&mut mesh, foot, lean, (out + Vec3::Y * 0.4).normalize(), size, size * 0.9);
     }
-    vec![Part::at(mesh, bed.greens.ivy, places)]
+    vec![Part::at(mesh, plan.greens.ivy, places)]
 }
 
 /// Ferns in baskets that hang from the upper arches.
-fn ferns(bed: &Bed) -> Vec<Part> {
-    let detail = bed.solid();
-    let mut random = Random::new(bed.seed ^ 0xfe4);
+fn ferns(plan: &GardenPlan) -> Vec<Part> {
+    let detail = plan.solid();
+    let mut random = Random::new(plan.seed ^ 0xfe4);
     let mut places = Vec::new();
     for side in Side::all() {
         for bay in side.bays() {
@@ -244,7 +244,7 @@ fn ferns(bed: &Bed) -> Vec<Part> {
     let stem = Profile::from(0.006, 0.0).line(0.006, 2.2).line(0.0, 2.2);
     basket.lathe(&stem, 5, detail, 0.5);
     let count = 34;
-    let each = (bed.leaves(3_400.0) / count).max(4);
+    let each = (plan.leaves(3_400.0) / count).max(4);
     for i in 0..count {
         let turn = i as f32 * 2.399_963;
         let (sin, cos) = turn.sin_cos();
@@ -257,15 +257,15 @@ fn ferns(bed: &Bed) -> Vec<Part> {
             let foot = out * (0.05 + length * t) + Vec3::Y * (rise * length * t - 1.1 * length * t * t);
             let slope = (out + Vec3::Y * (rise - 2.2 * t)).normalize();
             let side = slope.cross(Vec3::Y).normalize_or(Vec3::X) * hand;
-            let size = bed.leaf(0.075) * (1.05 - 0.8 * t);
+            let size = plan.leaf(0.075) * (1.05 - 0.8 * t);
             leaf(&mut fronds, foot, (side + 0.45 * slope).normalize(), slope.cross(side) * hand, size, size * 0.35);
         }
     }
-    vec![Part::at(basket, bed.greens.rush, places.clone()), Part::at(fronds, bed.greens.fern, places)]
+    vec![Part::at(basket, plan.greens.rush, places.clone()), Part::at(fronds, plan.greens.fern, places)]
 }
 
 /// Laid tables with four chairs each, in the court and in the long galleries.
-fn furniture(bed: &Bed) -> Vec<Part> {
+fn furniture(plan: &GardenPlan) -> Vec<Part> {
     let mut tables: Vec<Affine3A> =
         [(-6.3, -0.6), (-2.4, -1.7), (2.3, 1.9), (6.4, 0.7)].iter().map(|(x, z)| place(*x, 0.0, *z, 0.3 * x)).collect();
     for x in [-7.5, -1.5, 4.5, 10.5] {
@@ -279,13 +279,13 @@ fn furniture(bed: &Bed) -> Vec<Part> {
             (0..4).map(|i| *table * Affine3A::from_rotation_y(FRAC_PI_2 * i as f32) * Affine3A::from_translation(Vec3::Z * 0.78))
         })
         .collect();
-    let (wood, seat) = chair(bed.solid());
-    let (table, china) = table(bed.solid());
+    let (wood, seat) = chair(plan.solid());
+    let (table, china) = table(plan.solid());
     vec![
-        Part::at(wood, bed.palette.wood, seats.clone()),
-        Part::at(seat, bed.greens.rush, seats),
-        Part::at(table, bed.palette.wood, tables.clone()),
-        Part::at(china, bed.greens.china, tables),
+        Part::at(wood, plan.palette.wood, seats.clone()),
+        Part::at(seat, plan.greens.rush, seats),
+        Part::at(table, plan.palette.wood, tables.clone()),
+        Part::at(china, plan.greens.china, tables),
     ]
 }
 

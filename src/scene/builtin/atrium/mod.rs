@@ -180,18 +180,7 @@ fn parts(plan: &Plan) -> Vec<Part> {
 pub fn atrium(knobs: &Atrium) -> Scene {
     let mut scene = Scene { name: "atrium".into(), ..Scene::default() };
     let palette = materials::add(&mut scene, knobs.seed);
-    for part in parts_of_size(knobs, palette) {
-        part.add_to(&mut scene);
-    }
-    scene.lights.push(sun(Vec3::new(0.34, -1.0, 0.25)));
-    scene.cameras.push(Camera {
-        name: "court".into(),
-        position: Vec3::new(-11.3, 2.2, 0.9),
-        target: Vec3::new(6.0, 3.2, -1.0),
-        up: Vec3::Y,
-        fov_y_deg: 60.0,
-    });
-    scene
+    finished(scene, &parts_of_size(knobs, palette))
 }
 
 /// The court with trees, shrubs, ivy, ferns, and laid tables. The number of triangles is clamped to [`Courtyard::TRIANGLES`].
@@ -201,15 +190,20 @@ pub fn courtyard(knobs: &Courtyard) -> Scene {
     let mut scene = Scene { name: "courtyard".into(), ..Scene::default() };
     let palette = materials::add(&mut scene, knobs.seed);
     let greens = garden::Greens::add(&mut scene);
-    let built = parts_of_size(&building, palette);
-    let rest = target - built.iter().map(Part::triangles).sum::<usize>() as u32;
-    let planted = parts::of_size(rest, 2_000_000.0, |detail| garden::parts(&garden::Bed { detail, seed: knobs.seed, palette, greens }));
-    for part in built.iter().chain(&planted) {
-        part.add_to(&mut scene);
-    }
+    let mut all = parts_of_size(&building, palette);
+    let rest = target - all.iter().map(Part::triangles).sum::<usize>() as u32;
+    all.extend(parts::of_size(rest, 2_000_000.0, |detail| {
+        garden::parts(&garden::GardenPlan { detail, seed: knobs.seed, palette, greens })
+    }));
+    finished(scene, &all)
+}
+
+/// A scene of these parts, with the sun and the camera.
+fn finished(mut scene: Scene, parts: &[Part]) -> Scene {
+    parts.iter().for_each(|part| part.add_to(&mut scene));
     scene.lights.push(sun(Vec3::new(0.34, -1.0, 0.25)));
     scene.cameras.push(Camera {
-        name: "courtyard".into(),
+        name: "court".into(),
         position: Vec3::new(-11.3, 2.2, 0.9),
         target: Vec3::new(6.0, 3.2, -1.0),
         up: Vec3::Y,
