@@ -9,6 +9,7 @@ mod render;
 mod report;
 mod reproduce;
 mod sequence;
+mod view;
 
 pub use bench::BenchArgs;
 pub use compare::CompareArgs;
@@ -19,6 +20,7 @@ pub use render::RenderArgs;
 pub use report::ReportArgs;
 pub use reproduce::ReproduceArgs;
 pub use sequence::{SequenceArgs, Shard};
+pub use view::ViewArgs;
 
 use crate::gpu::DeviceChoice;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -38,6 +40,8 @@ pub struct Cli {
 pub enum Command {
     /// Render a config: a picture, its EXR layers and the time of every pass
     Render(RenderArgs),
+    /// Open a window: fly through a config's scene, turn its keys, see every pass
+    View(ViewArgs),
     /// Path trace a config's scene: the reference that renders are compared with
     Reference(ReferenceArgs),
     /// Write a config's scene for another renderer, to check ours against

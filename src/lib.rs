@@ -15,6 +15,7 @@
 //!   the binary.
 //! - [`output`] and [`files`] write pictures and records, whole or not at all. [`report`] makes statistics, tables of text and the
 //!   HTML page. [`export`] writes scenes for other renderers.
+//! - [`window`] shows frames and takes wishes, while the command that opened it renders them.
 //! - [`cli`] parses the command line, [`commands`] has a file for each command. [`cache`] is the user's cache folder, [`trace`]
 //!   records timelines, [`error`] has the exit codes.
 #![deny(unsafe_code)]
@@ -41,4 +42,5 @@ pub mod stages;
 pub mod tables;
 pub mod trace;
 pub mod walk;
+pub mod window;
 pub mod world;

@@ -6,7 +6,7 @@ use crate::frame::{Frame, frame};
 use crate::gpu::{Adapter, Feature, Gpu, Options};
 use crate::graph::{Dump, Engine, Execution, Graph, Image, Library, Pool, ReadBack, Timing};
 use crate::output::{Picture, Plane};
-use crate::scene::{Light, Scene};
+use crate::scene::{Camera, Light, Scene};
 use crate::stages::facts::Facts;
 use crate::stages::residents::Residents;
 use crate::stages::{self, gather};
@@ -156,6 +156,11 @@ impl Renderer {
         self.world.view(config, frame_index)
     }
 
+    /// Camera of a frame, as the config or the scene has it.
+    pub fn camera(&self, config: &Config, frame_index: u32) -> Result<Camera> {
+        self.world.camera(config, frame_index)
+    }
+
     /// View, lighting and time of a frame.
     pub fn shot(&self, config: &Config, frame_index: u32) -> Result<Shot> {
         Shot::of(config, &self.world, &self.engine.gpu.adapter, frame_index)
@@ -205,6 +210,19 @@ impl Renderer {
         self.engine.prepare(&g)
     }
 
+    /// Reads the shaders again, and keeps them if they make a config's pipelines; else the ones before stay. Returns whether they had
+    /// changed.
+    ///
+    /// # Errors
+    /// As [`Engine::reload`].
+    pub fn reload(&mut self, config: &Config) -> Result<bool> {
+        self.ensure_for(config)?;
+        let shot = self.shot(config, 0)?;
+        let mut g = Graph::warming_up();
+        self.describe(&mut g, &shot, config);
+        self.engine.reload(|engine| engine.prepare(&g))
+    }
+
     /// Names of a config's passes, and of the resources and told numbers of its frames.
     pub fn names(&mut self, config: &Config) -> Result<(Vec<&'static str>, Vec<String>)> {
         self.ensure_for(config)?;
@@ -213,6 +231,15 @@ impl Renderer {
         self.describe(&mut g, &shot, config);
         let resources = g.memory().into_iter().map(|(name, _)| name);
         Ok((g.pass_names().collect(), resources.chain(g.told_names().map(str::to_owned)).collect()))
+    }
+
+    /// Passes of a config's frame 0, in order, with the images that each writes.
+    pub fn outputs(&mut self, config: &Config) -> Result<Vec<(&'static str, Vec<String>)>> {
+        self.ensure_for(config)?;
+        let shot = self.shot(config, 0)?;
+        let mut g = Graph::new();
+        self.describe(&mut g, &shot, config);
+        Ok(g.outputs())
     }
 
     /// Runs frame 0 with a triangle of every kind that the scene draws, so that no later frame is the first to use a pipeline. It cuts the

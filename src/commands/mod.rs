@@ -15,6 +15,7 @@ pub mod reproduce;
 pub mod schema;
 mod setup;
 mod truth;
+pub mod view;
 
 use crate::cli::{Cli, Command};
 use crate::config::Config;
@@ -25,6 +26,7 @@ use anyhow::Result;
 pub fn run(cli: &Cli) -> Result<()> {
     match &cli.command {
         Command::Render(args) => render::run(args),
+        Command::View(args) => view::run(args),
         Command::Reference(args) => reference::run(args),
         Command::Export { format } => export::run(format),
         Command::Compare(args) => compare::run(args),

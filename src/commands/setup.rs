@@ -111,7 +111,7 @@ impl Ready {
 
 /// Opens the device and loads the scene, both at the same time.
 pub fn open(config: &Config, on: On) -> Result<Opened> {
-    let options = Options { device: on.device.cloned().unwrap_or_default(), validate: on.validate };
+    let options = Options { device: on.device.cloned().unwrap_or_default(), validate: on.validate, ..Options::default() };
     let (scene, gpu) = rayon::join(|| load_scene(&config.scene), || Gpu::new(&options));
     let (gpu, (scene, warnings)) = (gpu?, scene?);
     Ok(Opened { gpu, scene, warnings })

@@ -49,6 +49,7 @@ pub use scene::{Builtin, SceneConfig, SceneSelector};
 pub use schema::schema;
 pub use sky::*;
 pub use ssao::*;
+pub use unused::is_unused;
 pub use values::Block;
 pub use visibility::*;
 pub use vpls::*;

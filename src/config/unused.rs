@@ -36,6 +36,11 @@ fn all(config: &Config) -> Vec<Unused> {
     UNUSED.iter().flat_map(|unused| unused(config)).collect()
 }
 
+/// Whether frames of a config do not use a key or a section, whatever its value.
+pub fn is_unused(config: &Config, key: &str) -> bool {
+    all(config).iter().any(|unused| unused.has(key))
+}
+
 /// Warnings of given keys that are not used, with file and line. A key of a base does not warn if a layer above it chose the method that
 /// makes it unused: a table's column that changes the method inherits the base's keys.
 pub fn warnings(config: &Config, root: &Node) -> Vec<String> {

@@ -308,6 +308,43 @@ impl<'g> Commands<'g> {
         unsafe { self.gpu.device.cmd_copy_image_to_buffer(self.buffer, slot.handle, vk::ImageLayout::GENERAL, to, &regions) };
     }
 
+    /// Copies an image's first layer to an image of a surface, scaled to it, and hands that one to the display.
+    pub(super) fn copy_to_surface(&mut self, from: ImageId, to: vk::Image, extent: vk::Extent2D) {
+        let slot = self.gpu.memory.image(from);
+        let range = vk::ImageSubresourceRange::default().aspect_mask(vk::ImageAspectFlags::COLOR).layer_count(1).level_count(1);
+        let transition = |old, new| {
+            vk::ImageMemoryBarrier2::default()
+                .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
+                .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+                .dst_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
+                .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)
+                .old_layout(old)
+                .new_layout(new)
+                .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .image(to)
+                .subresource_range(range)
+        };
+        let writable = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+        let corner = |width: u32, height: u32| vk::Offset3D { x: width as i32, y: height as i32, z: 1 };
+        let layers = vk::ImageSubresourceLayers::default().aspect_mask(vk::ImageAspectFlags::COLOR).layer_count(1);
+        let regions = [vk::ImageBlit::default()
+            .src_subresource(layers)
+            .src_offsets([vk::Offset3D::default(), corner(slot.desc.width, slot.desc.height)])
+            .dst_subresource(layers)
+            .dst_offsets([vk::Offset3D::default(), corner(extent.width, extent.height)])];
+        let scaled = [slot.desc.width, slot.desc.height] != [extent.width, extent.height];
+        let filter = if scaled { vk::Filter::LINEAR } else { vk::Filter::NEAREST };
+        let (to_write, to_show) =
+            ([transition(vk::ImageLayout::UNDEFINED, writable)], [transition(writable, vk::ImageLayout::PRESENT_SRC_KHR)]);
+        let device = &self.gpu.device;
+        unsafe {
+            device.cmd_pipeline_barrier2(self.buffer, &vk::DependencyInfo::default().image_memory_barriers(&to_write));
+            device.cmd_blit_image(self.buffer, slot.handle, vk::ImageLayout::GENERAL, to, writable, &regions, filter);
+            device.cmd_pipeline_barrier2(self.buffer, &vk::DependencyInfo::default().image_memory_barriers(&to_show));
+        }
+    }
+
     /// Sets 4 bytes of a buffer.
     pub fn fill_word(&mut self, buffer: BufferId, offset: u64, word: u32) {
         unsafe { self.gpu.device.cmd_fill_buffer(self.buffer, self.gpu.memory.buffer(buffer).handle, offset, 4, word) };

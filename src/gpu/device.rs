@@ -5,6 +5,7 @@ use super::commands::Commands;
 use super::fault::Fault;
 use super::memory::Memory;
 use super::pipeline::Pipelines;
+use super::surface::Surface;
 use super::types::{Sampler, Wrapping};
 use crate::fail;
 use crate::trace;
@@ -23,6 +24,8 @@ pub struct Options {
     pub device: DeviceChoice,
     /// Enables the Khronos validation layer with synchronization validation; see [`Gpu::validation_messages`].
     pub validate: bool,
+    /// Extensions of the display that windows are shown on ([`super::surface::extensions`]); empty without windows.
+    pub display: Vec<&'static CStr>,
 }
 
 /// A device, its one queue and all objects created on it. Dropping it destroys them.
@@ -34,13 +37,14 @@ pub struct Gpu {
     pub(super) memory: Memory,
     pub(super) pipelines: Pipelines,
     samplers: HashMap<Sampler, vk::Sampler>,
-    queue: vk::Queue,
+    pub(super) queue: vk::Queue,
     command_pool: vk::CommandPool,
     fence: vk::Fence,
     pub(super) queries: vk::QueryPool,
     submitted: Instant,
     pub(super) fault: Option<Fault>,
     messages: Arc<Mutex<Vec<String>>>,
+    pub(super) surface: Option<Surface>,
     instance: Instance,
 }
 
@@ -48,7 +52,7 @@ pub struct Gpu {
 pub(super) const QUERY_COUNT: u32 = 4096;
 
 struct Instance {
-    _entry: ash::Entry,
+    entry: ash::Entry,
     handle: ash::Instance,
     has_debug_utils: bool,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
@@ -70,7 +74,7 @@ unsafe extern "system" fn on_message(
 }
 
 impl Instance {
-    fn new(validate: bool, messages: &Arc<Mutex<Vec<String>>>) -> Result<Self> {
+    fn new(validate: bool, display: &[&'static CStr], messages: &Arc<Mutex<Vec<String>>>) -> Result<Self> {
         let entry = unsafe { ash::Entry::load() }.map_err(|error| {
             fail!(NoDevice, "the Vulkan loader was not found ({error}); on Debian or Ubuntu, `apt install libvulkan1 mesa-vulkan-drivers` brings it and a software driver")
         })?;
@@ -85,7 +89,12 @@ impl Instance {
         }
         let application = vk::ApplicationInfo::default().application_name(c"manylight").api_version(vk::API_VERSION_1_3);
         let layer_names: Vec<_> = validate.then_some(VALIDATION_LAYER.as_ptr()).into_iter().collect();
-        let extension_names: Vec<_> = has_debug_utils.then_some(ext::debug_utils::NAME.as_ptr()).into_iter().collect();
+        if let Some(missing) = display.iter().find(|name| !extensions.iter().any(|known| known.extension_name_as_c_str() == Ok(**name))) {
+            let missing = missing.to_string_lossy();
+            return Err(fail!(NoDevice, "no Vulkan driver shows pictures in windows of this display: none has {missing}"));
+        }
+        let extension_names: Vec<_> =
+            has_debug_utils.then_some(ext::debug_utils::NAME).into_iter().chain(display.iter().copied()).map(CStr::as_ptr).collect();
         // Enabled here and not by environment variables: those of newer layers are ignored by older ones.
         let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
         let mut validation = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
@@ -113,7 +122,7 @@ impl Instance {
         } else {
             None
         };
-        Ok(Self { _entry: entry, handle, has_debug_utils, messenger, _messages: messages.clone() })
+        Ok(Self { entry, handle, has_debug_utils, messenger, _messages: messages.clone() })
     }
 
     fn adapters(&self) -> Result<Vec<Adapter>> {
@@ -146,7 +155,7 @@ pub(super) fn failure(error: vk::Result, what: &str) -> anyhow::Error {
 impl Gpu {
     /// All devices that the loader lists, in its order.
     pub fn adapters() -> Result<Vec<Adapter>> {
-        Instance::new(false, &Arc::default())?.adapters()
+        Instance::new(false, &[], &Arc::default())?.adapters()
     }
 
     /// Opens the device that `options` choose.
@@ -157,7 +166,7 @@ impl Gpu {
         let _span = trace::span("opening the device");
         let fault = Fault::from_environment()?;
         let messages = Arc::default();
-        let instance = Instance::new(options.validate, &messages)?;
+        let instance = Instance::new(options.validate, &options.display, &messages)?;
         let adapter = adapter::choose(&instance.adapters()?, &options.device)?;
         let Some(queue_family) = adapter.queue_family else { unreachable!("choose() takes no device without a queue") };
 
@@ -181,6 +190,13 @@ impl Gpu {
         let mut extensions = vec![khr::push_descriptor::NAME.as_ptr()];
         if has(Feature::ConservativeRasterization) {
             extensions.push(ext::conservative_rasterization::NAME.as_ptr());
+        }
+        if !options.display.is_empty() {
+            let known = unsafe { instance.handle.enumerate_device_extension_properties(adapter.handle) }.unwrap_or_default();
+            if !known.iter().any(|known| known.extension_name_as_c_str() == Ok(khr::swapchain::NAME)) {
+                return Err(fail!(NoDevice, "{} cannot show pictures in windows; --device names another", adapter.name));
+            }
+            extensions.push(khr::swapchain::NAME.as_ptr());
         }
         let priorities = [1.0];
         let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&priorities)];
@@ -222,6 +238,7 @@ impl Gpu {
             fence,
             queries,
             messages,
+            surface: None,
             instance,
         })
     }
@@ -238,6 +255,16 @@ impl Gpu {
 
     /// Records commands, submits them and waits until the device has completed them.
     pub fn submit(&mut self, what: &str, record: impl FnOnce(&mut Commands<'_>)) -> Result<()> {
+        self.submit_between(what, None, record)
+    }
+
+    /// [`Self::submit`] that begins after the first semaphore, and signals the second.
+    pub(super) fn submit_between(
+        &mut self,
+        what: &str,
+        between: Option<(vk::Semaphore, vk::Semaphore)>,
+        record: impl FnOnce(&mut Commands<'_>),
+    ) -> Result<()> {
         let error = |error| failure(error, what);
         let recording = trace::span(format_args!("recording {what}"));
         let info = vk::CommandBufferAllocateInfo::default().command_pool(self.command_pool).command_buffer_count(1);
@@ -256,7 +283,13 @@ impl Gpu {
                 Err(vk::Result::ERROR_DEVICE_LOST)
             } else {
                 let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(buffer)];
-                let submits = [vk::SubmitInfo2::default().command_buffer_infos(&buffers)];
+                let semaphore =
+                    |handle| vk::SemaphoreSubmitInfo::default().semaphore(handle).stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS);
+                let (after, signals) = (between.map(|pair| semaphore(pair.0)), between.map(|pair| semaphore(pair.1)));
+                let submits = [vk::SubmitInfo2::default()
+                    .wait_semaphore_infos(after.as_slice())
+                    .command_buffer_infos(&buffers)
+                    .signal_semaphore_infos(signals.as_slice())];
                 self.device
                     .queue_submit2(self.queue, &submits, self.fence)
                     .and_then(|()| self.device.wait_for_fences(&[self.fence], true, u64::MAX))
@@ -266,6 +299,15 @@ impl Gpu {
         drop(waiting);
         unsafe { self.device.free_command_buffers(self.command_pool, &[buffer]) };
         result.map_err(|error| failure(error, lost_at.as_deref().unwrap_or(what)))
+    }
+
+    pub(super) fn instance(&self) -> (&ash::Entry, &ash::Instance) {
+        (&self.instance.entry, &self.instance.handle)
+    }
+
+    /// Index of the queue's family.
+    pub(super) fn family(&self) -> u32 {
+        self.adapter.queue_family.unwrap_or_else(|| unreachable!("an open device has a queue"))
     }
 
     /// Host time of the last submission.
@@ -320,6 +362,7 @@ impl Gpu {
 
 impl Drop for Gpu {
     fn drop(&mut self) {
+        self.close_surface();
         unsafe {
             // Ignored: on a lost device there is nothing to wait for.
             let _ = self.device.device_wait_idle();

@@ -4,6 +4,7 @@
 //! - [`Gpu`]: an open device with memory, pipelines and submission; it owns every object, and ids name them
 //! - [`Commands`]: recording; a pass is bind, push, dispatch or draw, with barriers and labels around it
 //! - [`Shader`]: a compiled shader and its reflection
+//! - [`surface`]: a window that pictures are shown in
 //! - [`fault`]: errors injected for tests, since the software driver never fails
 //!
 //! Images are in the layout GENERAL from creation on. Descriptors are push descriptors in set 0.
@@ -18,6 +19,7 @@ mod memory;
 mod pipeline;
 mod shader;
 mod slots;
+pub mod surface;
 mod types;
 mod upload;
 mod vertex;
@@ -27,7 +29,8 @@ pub use commands::{Attachment, Commands, Load};
 pub use device::{Gpu, Options};
 pub use format::Format;
 pub use memory::{BufferId, ImageDesc, ImageId};
-pub use pipeline::{PipelineId, RasterState};
+pub use pipeline::{Blend, PipelineId, RasterState};
 pub use shader::{Binding, BindingKind, Block, BlockMember, Input, Shader, ShaderAccess, ShaderStage};
+pub use surface::Presented;
 pub use types::{Accesses, Barrier, Bound, Sampler, Stages, Wrapping};
 pub use vertex::{VertexAttribute, VertexFormat, VertexLayout};

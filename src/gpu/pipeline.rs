@@ -12,6 +12,18 @@ use std::collections::{BTreeMap, HashMap};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct PipelineId(u32);
 
+/// How a fragment's colour joins what a target holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Blend {
+    /// It takes its place.
+    #[default]
+    Replace,
+    /// It is added.
+    Add,
+    /// It lies over it; its colours are multiplied by its alpha.
+    Over,
+}
+
 /// State of a raster pipeline. Depth is reversed everywhere: 1 is near, 0 is far, and the greater wins.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct RasterState {
@@ -22,8 +34,8 @@ pub struct RasterState {
     pub points: bool,
     /// Culls triangles that face away.
     pub cull_back: bool,
-    /// Blends additively into the colour targets.
-    pub additive: bool,
+    /// Blending into the colour targets.
+    pub blend: Blend,
     /// Rasterizes every pixel that a triangle touches, and not only those whose centre it covers. The device needs
     /// [`ConservativeRasterization`](super::Feature::ConservativeRasterization).
     pub conservative: bool,
@@ -41,20 +53,24 @@ pub(super) struct PipelineSlot {
 }
 
 #[derive(Default)]
-pub(super) struct Pipelines(Vec<PipelineSlot>);
+pub(super) struct Pipelines(Vec<Option<PipelineSlot>>);
 
 impl Pipelines {
     pub fn get(&self, id: PipelineId) -> &PipelineSlot {
-        &self.0[id.0 as usize]
+        self.0[id.0 as usize].as_ref().unwrap_or_else(|| unreachable!("a pipeline is not used after it was freed"))
     }
 
     pub fn destroy(&mut self, device: &ash::Device) {
-        for slot in self.0.drain(..) {
-            unsafe {
-                device.destroy_pipeline(slot.handle, None);
-                device.destroy_pipeline_layout(slot.layout, None);
-                device.destroy_descriptor_set_layout(slot.set_layout, None);
-            }
+        self.0.drain(..).flatten().for_each(|slot| slot.destroy(device));
+    }
+}
+
+impl PipelineSlot {
+    fn destroy(self, device: &ash::Device) {
+        unsafe {
+            device.destroy_pipeline(self.handle, None);
+            device.destroy_pipeline_layout(self.layout, None);
+            device.destroy_descriptor_set_layout(self.set_layout, None);
         }
     }
 }
@@ -88,6 +104,13 @@ impl Gpu {
     /// Bindings of a pipeline by name, with their numbers.
     pub fn bindings(&self, id: PipelineId) -> &BTreeMap<String, (u32, Binding)> {
         &self.pipelines.get(id).bindings
+    }
+
+    /// Destroys a pipeline. The device must not be using it, and its id must not be used again.
+    pub fn free_pipeline(&mut self, id: PipelineId) {
+        if let Some(slot) = self.pipelines.0[id.0 as usize].take() {
+            slot.destroy(&self.device);
+        }
     }
 
     /// Workgroup size of a compute pipeline.
@@ -162,16 +185,20 @@ impl Gpu {
             .depth_test_enable(state.depth.is_some())
             .depth_write_enable(state.depth.is_some())
             .depth_compare_op(vk::CompareOp::GREATER);
+        let (behind, alpha_ahead) = match state.blend {
+            Blend::Replace | Blend::Add => (vk::BlendFactor::ONE, vk::BlendFactor::ONE),
+            Blend::Over => (vk::BlendFactor::ONE_MINUS_SRC_ALPHA, vk::BlendFactor::ONE_MINUS_DST_ALPHA),
+        };
         let blends: Vec<_> = state
             .color
             .iter()
             .map(|_| {
                 vk::PipelineColorBlendAttachmentState::default()
                     .color_write_mask(vk::ColorComponentFlags::RGBA)
-                    .blend_enable(state.additive)
+                    .blend_enable(state.blend != Blend::Replace)
                     .src_color_blend_factor(vk::BlendFactor::ONE)
-                    .dst_color_blend_factor(vk::BlendFactor::ONE)
-                    .src_alpha_blend_factor(vk::BlendFactor::ONE)
+                    .dst_color_blend_factor(behind)
+                    .src_alpha_blend_factor(alpha_ahead)
                     .dst_alpha_blend_factor(vk::BlendFactor::ONE)
             })
             .collect();
@@ -255,7 +282,7 @@ impl Gpu {
         }
         let result = result.map(|pipelines| pipelines[0]).map_err(|(_, error)| failure(error, name));
         prepared.slot.handle = *result.as_ref().unwrap_or(&vk::Pipeline::null());
-        self.pipelines.0.push(prepared.slot);
+        self.pipelines.0.push(Some(prepared.slot));
         result.map(|_| PipelineId(self.pipelines.0.len() as u32 - 1))
     }
 }

@@ -8,6 +8,7 @@ use super::pipelines::PipelineKey;
 use super::plan::plan;
 use super::pool::{BufferKind, Pool};
 use super::record::{Placed, Ready, Step, accesses};
+use super::reuse::{self, Reuse};
 use super::{Graph, ReadBack, Resource, Source, Variant};
 use crate::gpu::{BindingKind, Bound, BufferId, Format, Gpu, ImageDesc, PipelineId, Sampler};
 use crate::trace;
@@ -34,6 +35,8 @@ pub struct Execution {
     pub dump: Vec<String>,
     /// Counts texels that are not finite, after every pass.
     pub check_nan: bool,
+    /// Whether results of the frame before are taken over.
+    pub reuse: Reuse,
 }
 
 /// Results of a frame.
@@ -98,6 +101,28 @@ impl Engine {
         self.library.key_of_all()
     }
 
+    /// Reads the shaders again, and keeps them if `prepare` succeeds with them; else the ones before stay. Returns whether they had changed.
+    ///
+    /// # Errors
+    /// Those of the folder that `MANYLIGHT_GLSL` names, and those of `prepare`: the compiler's words, with file and line.
+    pub fn reload(&mut self, prepare: impl FnOnce(&mut Self) -> Result<()>) -> Result<bool> {
+        let fresh = Library::new()?;
+        if fresh.key_of_all() == self.library.key_of_all() {
+            return Ok(false);
+        }
+        let (library, pipelines) = (std::mem::replace(&mut self.library, fresh), std::mem::take(&mut self.pipelines));
+        let prepared = prepare(self);
+        let stale = match &prepared {
+            Ok(()) => pipelines,
+            Err(_) => {
+                self.library = library;
+                std::mem::replace(&mut self.pipelines, pipelines)
+            }
+        };
+        stale.into_values().for_each(|id| self.gpu.free_pipeline(id));
+        prepared.map(|()| true)
+    }
+
     /// Number of pipelines made so far.
     pub fn pipelines_made(&self) -> usize {
         self.pipelines.len()
@@ -139,11 +164,19 @@ impl Engine {
         let preparing = trace::span("preparing");
         self.prepare(graph)?;
         pool.begin();
-        let placed = self.place(pool, graph)?;
-        let barriers = plan(&graph.passes.iter().map(accesses).collect::<Vec<_>>());
-        let mut ready = Vec::with_capacity(graph.passes.len());
+        let mut placed = self.place(pool, graph)?;
+        let (runs, memory) = reuse::plan(graph, &placed, execution.reuse, pool.memory.take().as_ref(), &execution.dump);
+        let passes: Vec<&Pass> = graph.passes.iter().zip(&runs).filter(|(_, runs)| **runs).map(|(pass, _)| pass).collect();
+        if passes.len() < graph.passes.len() {
+            let written: HashSet<usize> = passes.iter().flat_map(|pass| pass.written()).map(Resource::index).collect();
+            let anew = |(index, id): (&usize, &BufferId)| written.contains(index).then_some(*id);
+            let anew: HashSet<BufferId> = placed.buffers.iter().filter_map(anew).collect();
+            placed.zeroed.retain(|id| anew.contains(id));
+        }
+        let barriers = plan(&passes.iter().map(|pass| accesses(pass)).collect::<Vec<_>>());
+        let mut ready = Vec::with_capacity(passes.len());
         let mut checked: Vec<(&'static str, String)> = Vec::new();
-        for (pass, barrier) in graph.passes.iter().zip(barriers) {
+        for (pass, barrier) in passes.into_iter().zip(barriers) {
             let steps = match &pass.work {
                 Work::Compute(_) => vec![self.step(graph, &placed, pass, None)?],
                 Work::Raster { draws, .. } => {
@@ -217,6 +250,7 @@ impl Engine {
         }
         outcome.counts.extend(graph.told.iter().cloned());
         pool.end(&mut self.gpu);
+        pool.memory = memory;
         Ok(outcome)
     }
 

@@ -16,13 +16,15 @@ mod pipelines;
 pub mod plan;
 mod pool;
 mod record;
+mod reuse;
 mod shader_struct;
 
 pub use engine::{Dump, DumpData, Engine, Execution, FrameOutcome, Timing};
-pub use library::Library;
+pub use library::{Library, VARIABLE as SHADERS};
 pub use parts::{Part, Variant};
 pub use pass::{ComputePass, DrawList, Extent, ListBlock, RasterPass};
 pub use pool::Pool;
+pub use reuse::Reuse;
 pub use shader_struct::{Member, ShaderStruct};
 
 use crate::gpu::{BufferId, Format, ImageId};
@@ -266,6 +268,15 @@ impl Graph {
     /// Names of the passes, in order.
     pub fn pass_names(&self) -> impl Iterator<Item = &'static str> {
         self.passes.iter().map(|pass| pass.name)
+    }
+
+    /// Images that each pass writes, by name.
+    pub fn outputs(&self) -> Vec<(&'static str, Vec<String>)> {
+        let images = |pass: &Pass| {
+            let written = pass.written().into_iter().filter(|resource| matches!(resource, Resource::Image(_)));
+            written.map(|resource| self.name(resource).to_owned()).collect()
+        };
+        self.passes.iter().map(|pass| (pass.name, images(pass))).collect()
     }
 
     fn is_count(&self, resource: Resource) -> bool {

@@ -1,7 +1,7 @@
 //! Passes, and the builders that declare them.
 
 use super::{Buffer, Element, Graph, Image, Part, Resource, ShaderStruct};
-use crate::gpu::{BufferId, ImageId, Load, Sampler, ShaderAccess, VertexLayout};
+use crate::gpu::{Blend, BufferId, ImageId, Load, Sampler, ShaderAccess, VertexLayout};
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
@@ -78,7 +78,7 @@ pub(super) struct ColorTarget {
     pub output: &'static str,
     pub image: Image,
     pub load: Load,
-    pub additive: bool,
+    pub blend: Blend,
 }
 
 #[derive(Debug, Clone)]
@@ -238,19 +238,26 @@ impl<'g> RasterPass<'g> {
 
     /// Clears an image to a value and renders the fragment shader's output of this name into it.
     pub fn color(mut self, output: &'static str, image: Image, clear: [f32; 4]) -> Self {
-        self.color.push(ColorTarget { output, image, load: Load::Clear(clear), additive: false });
+        self.color.push(ColorTarget { output, image, load: Load::Clear(clear), blend: Blend::Replace });
         self
     }
 
     /// Renders the fragment shader's output of this name over the image's contents.
     pub fn color_over(mut self, output: &'static str, image: Image) -> Self {
-        self.color.push(ColorTarget { output, image, load: Load::Keep, additive: false });
+        self.color.push(ColorTarget { output, image, load: Load::Keep, blend: Blend::Replace });
         self
     }
 
     /// Clears an image to 0 and blends the fragment shader's output of this name additively, in the triangles' order.
     pub fn color_sum(mut self, output: &'static str, image: Image) -> Self {
-        self.color.push(ColorTarget { output, image, load: Load::Clear([0.0; 4]), additive: true });
+        self.color.push(ColorTarget { output, image, load: Load::Clear([0.0; 4]), blend: Blend::Add });
+        self
+    }
+
+    /// Clears an image to a value and lays the fragment shader's output of this name over it, in the triangles' order. Its colours are
+    /// multiplied by its alpha.
+    pub fn color_blend(mut self, output: &'static str, image: Image, clear: [f32; 4]) -> Self {
+        self.color.push(ColorTarget { output, image, load: Load::Clear(clear), blend: Blend::Over });
         self
     }
 

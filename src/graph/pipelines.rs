@@ -5,7 +5,7 @@ use super::check;
 use super::engine::Engine;
 use super::pass::{DrawList, Pass, Work};
 use super::{Graph, Part, Variant};
-use crate::gpu::{PipelineId, RasterState, Shader, ShaderStage};
+use crate::gpu::{Blend, PipelineId, RasterState, Shader, ShaderStage};
 use crate::trace;
 use anyhow::{Result, bail};
 use std::collections::BTreeSet;
@@ -51,7 +51,7 @@ impl Engine {
                 color: color.iter().map(|target| target.image.format).collect(),
                 depth: depth.map(|(image, _)| image.format),
                 cull_back: list.cull_back,
-                additive: color.iter().any(|target| target.additive),
+                blend: color.iter().map(|target| target.blend).find(|blend| *blend != Blend::Replace).unwrap_or_default(),
                 conservative: *conservative,
                 points: list.indices.is_none(),
             }),

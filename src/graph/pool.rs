@@ -1,5 +1,6 @@
 //! Pool of the images and buffers of a sequence of frames, lent to each frame's resources by name and shape.
 
+use super::reuse::Memory;
 use crate::gpu::{BufferId, Gpu, ImageDesc, ImageId};
 use anyhow::Result;
 use std::collections::HashMap;
@@ -30,6 +31,8 @@ pub struct Pool {
     buffers: HashMap<(String, u64, BufferKind), Lent<BufferId>>,
     /// Buffers whose contents are kept from frame to frame, by name and size.
     history: HashMap<(String, u64), Lent<BufferId>>,
+    /// Passes of the frame before, if their results may be taken over.
+    pub(super) memory: Option<Memory>,
 }
 
 impl Pool {

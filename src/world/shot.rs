@@ -6,7 +6,7 @@ use super::{World, view};
 use crate::config::Config;
 use crate::fail;
 use crate::gpu::Adapter;
-use crate::scene::{Aabb, Light};
+use crate::scene::{Aabb, Camera, Light};
 use anyhow::Result;
 
 /// View, lighting and time of a frame.
@@ -85,12 +85,19 @@ impl World {
         view::lights(config, &self.scene, index)
     }
 
-    /// Camera view of a config's frame.
+    /// Camera of a config's frame.
     ///
     /// # Errors
     /// As [`view::camera`].
+    pub fn camera(&self, config: &Config, index: u32) -> Result<Camera> {
+        view::camera(config, &self.scene, self.device.bounds, index)
+    }
+
+    /// Camera view of a config's frame.
+    ///
+    /// # Errors
+    /// As [`Self::camera`].
     pub fn view(&self, config: &Config, index: u32) -> Result<View> {
-        let camera = view::camera(config, &self.scene, self.device.bounds, index)?;
-        Ok(View::new(&camera, config.frame.size, self.device.bounds))
+        Ok(View::new(&self.camera(config, index)?, config.frame.size, self.device.bounds))
     }
 }

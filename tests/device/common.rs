@@ -29,7 +29,7 @@ pub fn gpu() -> Gpu {
     TAKEN.with_borrow_mut(|taken| {
         taken.get_or_insert_with(|| TURN.lock().unwrap_or_else(PoisonError::into_inner));
     });
-    let options = Options { device: DeviceChoice::Cpu, validate: true };
+    let options = Options { device: DeviceChoice::Cpu, validate: true, ..Options::default() };
     Gpu::new(&options).unwrap_or_else(|error| panic!("{error:#}"))
 }
 

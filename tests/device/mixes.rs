@@ -1,7 +1,9 @@
 //! Presets take each other's parts: a mix renders, or is refused with a reason.
 
 use crate::common::*;
-use manylight::config::{Config, Kind, keys};
+use manylight::config::{CameraConfig, Config, Kind, keys};
+use manylight::graph::{Execution, Reuse};
+use manylight::renderer::Renderer;
 use std::path::PathBuf;
 
 /// Sections whose names are mixed.
@@ -35,6 +37,24 @@ fn presets() -> Vec<PathBuf> {
     presets
 }
 
+/// Renders a config, then another view of it that takes over what it can. Its picture must be that of a frame without anything before it.
+/// Returns the number of passes that did not run again.
+fn kept_by_a_moved_camera(renderer: &mut Renderer, config: &Config, number: u64, mix: &str) -> anyhow::Result<usize> {
+    let reusing = |reuse| Execution { reuse, ..Execution::default() };
+    renderer.render(config, 0, false, &reusing(Reuse::Remember(number)))?;
+    let mut moved = config.clone();
+    let camera = renderer.camera(config, 0)?;
+    let (position, target) = (camera.position + 0.1, camera.target - 0.2);
+    moved.camera = Some(CameraConfig { position: Some(position.into()), target: Some(target.into()), ..CameraConfig::default() });
+    moved.frame.size = [40, 30];
+    let kept = renderer.render(&moved, 0, true, &reusing(Reuse::Apply(number)))?;
+    let whole = renderer.render(&moved, 0, true, &reusing(Reuse::Never))?;
+    let [picture, expected] = [kept.picture.as_ref().unwrap(), whole.picture.as_ref().unwrap()];
+    assert!(picture.image == expected.image && picture.radiance.values == expected.radiance.values, "{mix}: a kept result is another one");
+    assert_eq!(kept.counts, whole.counts, "{mix}");
+    Ok(whole.times.len() - kept.times.len())
+}
+
 #[test]
 fn sixty_random_mixes_of_all_methods_render_or_are_refused_with_a_reason() {
     let names: Vec<(&str, Vec<&str>)> = keys()
@@ -53,8 +73,8 @@ fn sixty_random_mixes_of_all_methods_render_or_are_refused_with_a_reason() {
     let numbers: Vec<f32> = random_numbers(4 * MIXES).into_iter().flatten().collect();
     let mut numbers = numbers.into_iter();
     let mut below = |n: usize| ((numbers.next().unwrap() * n as f32) as usize).min(n - 1);
-    let (mut rendered, mut refused) = (0, 0);
-    for _ in 0..MIXES {
+    let (mut rendered, mut refused, mut kept) = (0, 0, 0);
+    for number in 0..MIXES {
         let preset = &presets[below(presets.len())];
         let mut sets: Vec<String> = SMALL.map(str::to_owned).into();
         for _ in 0..5 {
@@ -67,6 +87,7 @@ fn sixty_random_mixes_of_all_methods_render_or_are_refused_with_a_reason() {
             let picture = renderer.render(config, 0, true, &Default::default())?.picture.unwrap();
             let light: f32 = picture.radiance.rgb().map(|light| light.element_sum()).sum();
             assert!(light.is_finite() && light > 0.0, "{mix}: the picture has {light}");
+            kept += kept_by_a_moved_camera(&mut renderer, config, number as u64, &mix)?;
             Ok(())
         };
         match manylight::config::load(preset, &sets).and_then(|loaded| tried(&loaded.config)) {
@@ -81,7 +102,8 @@ fn sixty_random_mixes_of_all_methods_render_or_are_refused_with_a_reason() {
         let messages = renderer.gpu().validation_messages();
         assert!(messages.is_empty(), "{mix}: the validation layer says:\n{}", messages.join("\n"));
     }
-    println!("{rendered} mixes rendered, {refused} were refused");
+    println!("{rendered} mixes rendered, {refused} were refused, a moved camera kept {kept} passes");
     assert!(rendered >= MIXES / 2, "{rendered} mixes rendered, {refused} were refused");
+    assert!(kept > 3 * rendered, "a moved camera kept {kept} passes of {rendered} mixes");
     finish(renderer.gpu());
 }

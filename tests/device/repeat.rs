@@ -139,7 +139,7 @@ fn a_number_that_is_not_finite_is_found_in_the_first_pass_that_makes_it() {
 #[test]
 fn isolated_and_serial_timing_agree_pass_by_pass() {
     // The validation layer is off, since its work would be in the host's times. Other tests validate these frames.
-    let options = Options { device: DeviceChoice::Cpu, validate: false };
+    let options = Options { device: DeviceChoice::Cpu, validate: false, ..Options::default() };
     let mut renderer = Renderer::open(&options, load_scene(&config().scene).unwrap().0, Needs::default()).unwrap();
     let mut config = config();
     config.frame.size = [256, 192];

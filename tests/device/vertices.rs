@@ -1,7 +1,7 @@
 //! Vertices made by a pass and then drawn, as meshes that bend are.
 
 use crate::common::*;
-use manylight::gpu::{Accesses, Attachment, Barrier, Bound, Format, Gpu, ImageDesc, Load, RasterState, Stages};
+use manylight::gpu::{Accesses, Attachment, Barrier, Blend, Bound, Format, Gpu, ImageDesc, Load, RasterState, Stages};
 use manylight::graph::{DrawList, Engine, Execution, Graph, Library, Timing, Variant};
 use manylight::scene::Vertex;
 use manylight::world::device::{DrawArguments, VERTEX};
@@ -78,7 +78,7 @@ fn make_then_draw(ordered: bool) -> Vec<String> {
         depth: None,
         points: false,
         cull_back: false,
-        additive: false,
+        blend: Blend::Replace,
         conservative: false,
     };
     let stages = [vert, frag].map(|shader| (library.get(&shader), Vec::new()));

@@ -17,3 +17,4 @@ mod report;
 mod reproduce;
 mod schema;
 mod walks;
+mod window;

@@ -1,0 +1,336 @@
+//! `manylight view CONFIG`: a window on the frames that `render` makes.
+
+use super::measure::{check_validation, write_picture};
+use super::progress::Progress;
+use super::setup::{On, Setup, execution, open};
+use crate::cli::ViewArgs;
+use crate::config::{Config, SceneConfig};
+use crate::error::{Exit, exit_code};
+use crate::fail;
+use crate::files::prepare_folder;
+use crate::gpu::DeviceChoice;
+use crate::graph::{self, DumpData, Reuse};
+use crate::reference::{Settings, Tracer, develop};
+use crate::renderer::{Lane, Renderer};
+use crate::window::{self, Against, Desk, News, Other, Project, Shown, Taken, Wish};
+use crate::world::Needs;
+use anyhow::Result;
+use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Opens the window, and renders on a thread of its own what it wishes for.
+pub fn run(args: &ViewArgs) -> Result<()> {
+    let project = Project::new(&args.config, args.overrides());
+    // A config that cannot be read ends the program before a window opens.
+    let setup = Setup::load(&project.config, &project.overrides())?;
+    let progress = Progress::new(false);
+    setup.warnings.iter().for_each(|warning| progress.warn(warning));
+    let (device, validate) = (args.device.clone(), args.validate);
+    let start = |desk: Arc<Desk>, tell: window::Tell| {
+        let mut studio = Studio { device, validate, desk, tell, stage: None, last: None, failed: String::new() };
+        thread::Builder::new()
+            .name("studio".to_owned())
+            .spawn(move || studio.work())
+            .map_err(|error| fail!(OutOfMemory, "a thread: {error}"))
+    };
+    let studio = window::open(project, args.device.as_ref(), args.validate, start)?;
+    match studio.join() {
+        Ok(ended) => ended,
+        Err(panic) => std::panic::resume_unwind(panic),
+    }
+}
+
+/// The thread that renders.
+struct Studio {
+    device: Option<DeviceChoice>,
+    validate: bool,
+    desk: Arc<Desk>,
+    tell: window::Tell,
+    stage: Option<Stage>,
+    last: Option<Wish>,
+    /// What was wrong with a file when it was looked at last.
+    failed: String,
+}
+
+/// Time between looks at the files.
+const WATCH: Duration = Duration::from_millis(300);
+/// Time between pictures of the path tracer.
+const TELL: Duration = Duration::from_millis(500);
+/// Paths a pixel after which the path tracer rests.
+const MOST_PATHS: u32 = 65_536;
+
+/// A scene on the device, and the config whose pipelines are made.
+struct Stage {
+    scene: SceneConfig,
+    renderer: Renderer,
+    warnings: Vec<String>,
+    prepared: Option<Config>,
+    /// The config of the last frame, as its files have it.
+    config: Option<Config>,
+    /// Changes with the prepared config.
+    number: u64,
+    /// Passes of the prepared config, with the images that each writes.
+    outputs: Vec<(&'static str, Vec<String>)>,
+    /// Frames of the project that the picture is compared with, and its prepared config.
+    other: (Lane, Option<Config>),
+    tracing: Option<Tracing>,
+}
+
+/// The path tracer at work.
+struct Tracing {
+    tracer: Tracer,
+    config: Config,
+    settings: Settings,
+    /// Number of the wish that it is for.
+    number: u64,
+    told: Option<Instant>,
+}
+
+impl Stage {
+    /// Renders another project's picture of a wish's frame.
+    fn other(&mut self, project: &Project, wish: &Wish) -> Result<Other> {
+        let mut config = config_of(project, wish.scale)?;
+        // A preset may split edges, which changes no surface; the triangles that are there serve both.
+        config.scene.split = self.scene.split;
+        if config.scene != self.scene {
+            return Err(fail!(BadInput, "{} has another scene, and is not compared", project.config.display()));
+        }
+        self.renderer.check(&config)?;
+        let still = Config { camera: None, ..config.clone() };
+        let (lane, prepared) = &mut self.other;
+        if prepared.as_ref() != Some(&still) {
+            self.renderer.prepare(&config, &[])?;
+            *prepared = Some(still);
+        }
+        lane.cut();
+        let shot = self.renderer.shot(&config, wish.frame)?;
+        let mut execution = execution(&config, &self.renderer);
+        execution.dump = vec![window::PICTURE.0.to_owned()];
+        let rendered = self.renderer.shoot(lane, shot, &config, false, &execution)?;
+        let image = rendered.dumps.into_iter().find(|dump| dump.resource == window::PICTURE.1).map(|dump| dump.data);
+        let Some(DumpData::Image { size, texels, .. }) = image else { unreachable!("a frame has a picture") };
+        Ok(Other { name: project.config.display().to_string(), size, image: texels })
+    }
+
+    /// Begins to trace paths for a frame, unless it is the one that is traced already.
+    fn follow(&mut self, config: &Config, frame: u32, bounces: u32, number: u64) -> Result<()> {
+        let settings = Settings { bounces, frame_index: frame, min_distance: 0.0, centered: false };
+        // Methods make no difference to the truth.
+        let truth = Config { scene: config.scene.clone(), camera: config.camera.clone(), light: config.light.clone(), ..Config::default() };
+        let of_scene = (config.frame.clone(), config.materials.clone(), config.sky.clone(), config.compose.clone());
+        let truth = Config { frame: of_scene.0, materials: of_scene.1, sky: of_scene.2, compose: of_scene.3, ..truth };
+        if let Some(tracing) = &mut self.tracing
+            && (&tracing.config, tracing.settings) == (&truth, settings)
+        {
+            (tracing.number, tracing.told) = (number, None);
+            return Ok(());
+        }
+        self.stop_tracing();
+        self.renderer.ensure(Needs { rays: true })?;
+        let mut tracer = Tracer::new(&mut self.renderer, &truth, settings, None)?;
+        tracer.prepare(&mut self.renderer)?;
+        self.tracing = Some(Tracing { tracer, config: truth, settings, number, told: None });
+        Ok(())
+    }
+
+    fn stop_tracing(&mut self) {
+        if let Some(tracing) = self.tracing.take() {
+            tracing.tracer.free(&mut self.renderer);
+        }
+    }
+}
+
+/// A project's config, with a share of its picture's sides.
+fn config_of(project: &Project, scale: f32) -> Result<Config> {
+    let mut config = Setup::load(&project.config, &project.overrides())?.config;
+    config.frame.size = config.frame.size.map(|side| ((side as f32 * scale).round() as u32).max(1));
+    Ok(config)
+}
+
+impl Studio {
+    /// Renders until the window closes.
+    fn work(&mut self) -> Result<()> {
+        let desk = self.desk.clone();
+        loop {
+            // Paths are traced as long as nothing else is wanted.
+            let patience = if self.stage.as_ref().is_some_and(|stage| stage.tracing.is_some()) { Duration::ZERO } else { WATCH };
+            let wish = match desk.take(patience) {
+                Taken::Wish(wish) => Some(*wish),
+                Taken::Nothing => self.changed_files(),
+                Taken::Closed => break,
+            };
+            let Some(wish) = wish else {
+                self.trace()?;
+                continue;
+            };
+            self.last = Some(Wish { save: None, depth: false, ..wish.clone() });
+            match self.fulfil(wish) {
+                Ok(shown) => (self.tell)(News::Frame(Box::new(shown))),
+                Err(error) if exit_code(&error) == Exit::DeviceLost => {
+                    (self.tell)(News::Ended(format!("{error:#}")));
+                    return Err(error);
+                }
+                Err(error) => {
+                    self.failed = format!("{error:#}");
+                    (self.tell)(News::Failed(self.failed.clone()));
+                }
+            }
+        }
+        self.stage.as_ref().map_or(Ok(()), |stage| check_validation(&stage.renderer))
+    }
+
+    /// Traces another path through every pixel, if the window wants the reference, and shows the picture so far now and then.
+    fn trace(&mut self) -> Result<()> {
+        let Some(stage) = &mut self.stage else { return Ok(()) };
+        let Some(tracing) = &mut stage.tracing else { return Ok(()) };
+        let execution = execution(&tracing.config, &stage.renderer);
+        let traced = if tracing.tracer.samples() < MOST_PATHS {
+            tracing.tracer.sample(&mut stage.renderer, &execution).map(|_| ())
+        } else {
+            std::thread::sleep(WATCH);
+            Ok(())
+        };
+        let told = tracing.told.is_some_and(|at| at.elapsed() < TELL);
+        let sums = match traced {
+            Ok(()) if told => return Ok(()),
+            Ok(()) => tracing.tracer.sums(&mut stage.renderer),
+            Err(error) => Err(error),
+        };
+        match sums {
+            Ok(sums) => {
+                tracing.told = Some(Instant::now());
+                let name = format!("path tracer, {} paths a pixel", sums.samples);
+                let other = Other { name, size: sums.size, image: develop(&sums, &tracing.config.compose) };
+                (self.tell)(News::Reference(tracing.number, other));
+                Ok(())
+            }
+            Err(error) if exit_code(&error) == Exit::DeviceLost => {
+                (self.tell)(News::Ended(format!("{error:#}")));
+                Err(error)
+            }
+            Err(error) => {
+                stage.stop_tracing();
+                (self.tell)(News::Failed(format!("{error:#}")));
+                Ok(())
+            }
+        }
+    }
+
+    /// The last wish again, if the config's files or the shaders have changed since. A shader that does not compile is told of, and the
+    /// one before stays.
+    fn changed_files(&mut self) -> Option<Wish> {
+        let last = self.last.clone()?;
+        let stage = self.stage.as_mut()?;
+        let again = if std::env::var_os(graph::SHADERS).is_some() { stage.renderer.reload(stage.config.as_ref()?) } else { Ok(false) };
+        let again = again.and_then(|shaders| {
+            // Results of other shaders are not taken over.
+            stage.number += u64::from(shaders);
+            let config = Setup::load(&last.project.config, &last.project.overrides())?.config;
+            Ok(shaders || stage.config.as_ref() != Some(&config))
+        });
+        match again {
+            Ok(again) => {
+                self.failed.clear();
+                again.then_some(last)
+            }
+            Err(error) => {
+                let error = format!("{error:#}");
+                if self.failed != error {
+                    self.failed.clone_from(&error);
+                    (self.tell)(News::Failed(error));
+                }
+                None
+            }
+        }
+    }
+
+    fn fulfil(&mut self, wish: Wish) -> Result<Shown> {
+        let started = Instant::now();
+        let setup = Setup::load(&wish.project.config, &wish.project.overrides())?;
+        let config = config_of(&wish.project, wish.scale)?;
+        if self.stage.as_ref().is_none_or(|stage| stage.scene != config.scene) {
+            (self.tell)(News::Doing("loading the scene"));
+            // Two large scenes may not fit.
+            self.stage = None;
+            let opened = open(&config, On { device: self.device.as_ref(), validate: self.validate })?;
+            let warnings = opened.warnings.clone();
+            (self.tell)(News::Doing("bringing the scene to the device"));
+            // Any method may be chosen later.
+            let renderer = opened.bring(Needs { rays: true })?;
+            self.stage = Some(Stage {
+                scene: config.scene.clone(),
+                renderer,
+                warnings,
+                prepared: None,
+                config: None,
+                number: 0,
+                outputs: Vec::new(),
+                other: (Lane::new(), None),
+                tracing: None,
+            });
+        }
+        let Some(stage) = &mut self.stage else { unreachable!("the stage was just set up") };
+        stage.config = Some(setup.config.clone());
+        stage.renderer.check(&config)?;
+        // Neither where the camera is nor how large its picture makes a difference to passes; a pipeline that does is made when it is used.
+        let mut still = Config { camera: None, ..config.clone() };
+        still.frame.size = setup.config.frame.size;
+        if stage.prepared.as_ref() != Some(&still) {
+            (self.tell)(News::Doing("preparing the shaders"));
+            (stage.prepared, stage.number) = (None, stage.number + 1);
+            stage.renderer.prepare(&config, &[])?;
+            stage.outputs = stage.renderer.outputs(&config)?;
+            stage.prepared = Some(still);
+        }
+        let pass = match stage.outputs.iter().any(|(pass, _)| *pass == wish.pass) {
+            true => wish.pass,
+            false => window::PICTURE.0,
+        };
+        let mut execution = execution(&config, &stage.renderer);
+        // A whole frame runs every pass, so that every time is there; one of a moving camera takes over what does not hang on it.
+        let number = stage.number.wrapping_mul(1 << 20).wrapping_add(u64::from(wish.frame));
+        execution.reuse = if wish.moving { Reuse::Apply(number) } else { Reuse::Remember(number) };
+        execution.dump = [Some(pass), wish.depth.then_some(window::DEPTH.0)].into_iter().flatten().map(str::to_owned).collect();
+        let rendered = stage.renderer.render(&config, wish.frame, wish.save.is_some(), &execution)?;
+        let other = match &wish.against {
+            Against::Nothing => None,
+            Against::Project(project) => Some(stage.other(project, &wish)?),
+            Against::Reference { .. } if wish.moving => {
+                stage.stop_tracing();
+                None
+            }
+            Against::Reference { bounces } => {
+                stage.follow(&config, wish.frame, *bounces, wish.number)?;
+                None
+            }
+        };
+        if !matches!(wish.against, Against::Reference { .. }) {
+            stage.stop_tracing();
+        }
+        if let (Some(folder), Some(picture)) = (&wish.save, &rendered.picture) {
+            prepare_folder(folder)?;
+            let from = setup.provenance(&stage.renderer);
+            write_picture(&folder.join("image.exr"), &folder.join("image.png"), picture, &config, &from)?;
+            (self.tell)(News::Saved(folder.clone()));
+        }
+        let from = setup.provenance(&stage.renderer);
+        let warnings = [setup.warnings, stage.warnings.clone(), stage.renderer.warnings(&config), rendered.warnings()].concat();
+        Ok(Shown {
+            camera: stage.renderer.camera(&config, wish.frame)?,
+            view: stage.renderer.view(&config, wish.frame)?,
+            bounds: stage.renderer.world().device().bounds,
+            wish,
+            config,
+            times: rendered.times,
+            frame_ms: started.elapsed().as_secs_f64() * 1e3,
+            counts: rendered.counts,
+            memory: rendered.memory,
+            dumps: rendered.dumps,
+            other,
+            outputs: stage.outputs.clone(),
+            warnings,
+            device: format!("{}, {} {}, {}", from.device.name, from.device.driver, from.device.driver_version, from.timing_mode),
+        })
+    }
+}

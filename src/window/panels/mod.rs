@@ -1,0 +1,294 @@
+//! The panels around the picture, and what they are set to.
+
+mod compare;
+mod keys;
+mod picture;
+mod stages;
+mod status;
+#[cfg(test)]
+mod tests;
+mod times;
+mod top;
+
+use self::compare::Compare;
+use super::desk::{News, Shown, Wish};
+use super::flight::Flight;
+use super::look::{Look, Texels};
+use super::pace::Pace;
+use super::project::Project;
+use super::{DEPTH, PICTURE};
+use egui::{Context, TextureHandle, TextureOptions, Ui};
+use glam::Vec3;
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+/// Frames whose times are kept.
+const FRAMES: usize = 200;
+/// Time after the last move until the frame is whole again.
+const REST: Duration = Duration::from_millis(150);
+
+/// Panel on the right.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Tab {
+    Passes,
+    Compare,
+    Times,
+    Warnings,
+}
+
+/// All settings of the window.
+pub struct Panels {
+    project: Project,
+    frame: u32,
+    is_playing: bool,
+    pass: &'static str,
+    /// Image of the pass that is shown.
+    image: String,
+    look: Look,
+    fits: bool,
+    smooth: bool,
+    tab: Tab,
+    search: String,
+    waits_for_display: bool,
+
+    flight: Option<Flight>,
+    moved: Option<Instant>,
+    pace: Pace,
+    /// Place in the picture whose depth was asked for, to be orbited.
+    aim: Option<[u32; 2]>,
+    /// Texel under the cursor.
+    under_cursor: Option<[u32; 2]>,
+
+    shown: Option<Box<Shown>>,
+    texture: Option<TextureHandle>,
+    /// Range that the texture shows.
+    range: [f32; 2],
+    is_stale: bool,
+    times: VecDeque<Vec<(&'static str, f64)>>,
+
+    compare: Compare,
+    doing: Option<(&'static str, Instant)>,
+    failed: Option<String>,
+    said: Option<String>,
+    has_ended: bool,
+    save: Option<std::path::PathBuf>,
+    asked: Option<Wish>,
+    /// Whether the thread that renders has a wish.
+    is_waiting: bool,
+    number: u64,
+}
+
+impl Panels {
+    pub fn new(project: Project) -> Self {
+        Self {
+            project,
+            frame: 0,
+            is_playing: false,
+            pass: PICTURE.0,
+            image: PICTURE.1.to_owned(),
+            look: Look::default(),
+            fits: true,
+            smooth: false,
+            tab: Tab::Passes,
+            search: String::new(),
+            waits_for_display: true,
+            flight: None,
+            moved: None,
+            pace: Pace::default(),
+            aim: None,
+            under_cursor: None,
+            shown: None,
+            texture: None,
+            range: [0.0, 1.0],
+            is_stale: false,
+            times: VecDeque::new(),
+            compare: Compare::default(),
+            doing: None,
+            failed: None,
+            said: None,
+            has_ended: false,
+            save: None,
+            asked: None,
+            is_waiting: false,
+            number: 0,
+        }
+    }
+
+    /// Whether pictures wait for the display's refresh.
+    pub fn waits_for_display(&self) -> bool {
+        self.waits_for_display
+    }
+
+    /// Title of the window: what the last frame shows.
+    pub fn title(&self) -> String {
+        match &self.shown {
+            Some(shown) => format!("{} - manylight", shown.wish.project.config.display()),
+            None => "manylight".to_owned(),
+        }
+    }
+
+    /// Takes over news.
+    pub fn take(&mut self, news: News, context: &Context) {
+        match news {
+            News::Doing(what) => self.doing = Some((what, Instant::now())),
+            News::Saved(folder) => self.said = Some(format!("written: {}", folder.join("image.png").display())),
+            News::Failed(why) => {
+                (self.doing, self.failed, self.is_waiting, self.is_playing) = (None, Some(why), false, false);
+            }
+            News::Ended(why) => {
+                // What was made here is not lost with the device.
+                self.save_config();
+                let saved = self.said.take().map_or_else(String::new, |said| format!(" ({said})"));
+                (self.doing, self.failed, self.has_ended, self.is_playing) = (None, Some(format!("{why}{saved}")), true, false);
+            }
+            News::Reference(number, other) => {
+                if self.asked.as_ref().is_some_and(|asked| asked.number == number) {
+                    self.compare.take(other, context);
+                }
+            }
+            News::Frame(shown) => self.take_frame(shown, context),
+        }
+    }
+
+    fn take_frame(&mut self, mut shown: Box<Shown>, context: &Context) {
+        (self.doing, self.failed, self.is_waiting) = (None, None, false);
+        self.times.push_back(shown.times.clone());
+        if self.times.len() > FRAMES {
+            self.times.pop_front();
+        }
+        self.pace.measured(shown.wish.scale, shown.wish.moving, shown.frame_ms);
+        if let Some(place) = self.aim.filter(|_| shown.wish.depth) {
+            self.aim = None;
+            if let (Some(target), Some(flight)) = (surface_at(&shown, place), &mut self.flight) {
+                flight.aim(target);
+            }
+        }
+        // A frame of an older wish would take the camera back.
+        if !self.is_moving() && shown.wish.project == self.project {
+            self.flight = Some(match self.flight.take() {
+                Some(old) => Flight { speed: old.speed, ..Flight::from(&shown.camera, shown.bounds) },
+                None => Flight::from(&shown.camera, shown.bounds),
+            });
+        }
+        if shown.outputs.iter().all(|(pass, _)| *pass != self.pass) {
+            (self.pass, self.image, self.look) = (PICTURE.0, PICTURE.1.to_owned(), Look::default());
+        }
+        if self.is_playing {
+            self.frame = (self.frame + 1) % shown.config.frame.count.max(1);
+        }
+        if let Some(other) = shown.other.take() {
+            self.compare.take(other, context);
+        }
+        self.compare.shown();
+        (self.shown, self.is_stale) = (Some(shown), true);
+        context.request_repaint();
+    }
+
+    /// Whether the camera moves, so that a frame may be smaller than the config's.
+    fn is_moving(&self) -> bool {
+        self.moved.is_some_and(|at| at.elapsed() < REST)
+    }
+
+    /// All panels.
+    pub fn show(&mut self, ui: &mut Ui) {
+        self.measure(ui.ctx());
+        egui::Panel::top("top").show(ui, |ui| self.top(ui));
+        egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
+        egui::Panel::left("keys").default_size(370.0).size_range(260.0..=600.0).show(ui, |ui| self.keys(ui));
+        egui::Panel::right("stages").default_size(330.0).size_range(240.0..=600.0).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let count = self.shown.as_ref().map_or(0, |shown| shown.warnings.len());
+                let warnings = if count == 0 { "Warnings".to_owned() } else { format!("Warnings ({count})") };
+                ui.selectable_value(&mut self.tab, Tab::Passes, "Passes");
+                ui.selectable_value(&mut self.tab, Tab::Compare, "Compare");
+                ui.selectable_value(&mut self.tab, Tab::Times, "Times");
+                ui.selectable_value(&mut self.tab, Tab::Warnings, warnings);
+            });
+            ui.separator();
+            match self.tab {
+                Tab::Passes => self.stages(ui),
+                Tab::Compare => self.compare(ui),
+                Tab::Times => self.times(ui),
+                Tab::Warnings => self.warnings(ui),
+            }
+        });
+        egui::CentralPanel::default().frame(egui::Frame::NONE.fill(ui.visuals().extreme_bg_color)).show(ui, |ui| self.picture(ui));
+        if let Some(at) = self.moved {
+            match REST.checked_sub(at.elapsed()) {
+                Some(rest) => ui.ctx().request_repaint_after(rest),
+                None => self.moved = None,
+            }
+        }
+    }
+
+    /// The frame that is wanted now, if it is another than the last one.
+    pub fn wish(&mut self) -> Option<Wish> {
+        if self.has_ended {
+            return None;
+        }
+        let save = self.save.take();
+        // What is saved is whole.
+        let moving = self.is_moving() && save.is_none();
+        let wish = Wish {
+            number: self.number,
+            project: self.project.clone(),
+            frame: self.frame,
+            pass: self.pass,
+            scale: if moving { self.pace.scale() } else { 1.0 },
+            moving,
+            depth: self.aim.is_some(),
+            against: self.compare.against(self),
+            save,
+        };
+        if self.asked.as_ref().is_some_and(|asked| *asked == wish) {
+            return None;
+        }
+        self.number += 1;
+        let wish = Wish { number: self.number, ..wish };
+        self.asked = Some(Wish { save: None, ..wish.clone() });
+        self.is_waiting = true;
+        Some(wish)
+    }
+
+    /// Hands the camera of the flight to the config.
+    fn move_camera(&mut self) {
+        let Some(flight) = &self.flight else { return };
+        let vector = |v: Vec3| format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z);
+        self.project.set("camera.position", vector(flight.position));
+        self.project.set("camera.target", vector(flight.target));
+        self.project.set("camera.up", vector(flight.up));
+        self.project.set("camera.fov_y_deg", format!("{:?}", flight.fov_y_deg));
+        self.moved = Some(Instant::now());
+    }
+
+    /// The image that is shown, of the last frame.
+    fn texels(&self) -> Option<Texels<'_>> {
+        let dumps = &self.shown.as_ref()?.dumps;
+        let of_pass = || dumps.iter().filter(|dump| dump.pass == self.pass);
+        let dump =
+            of_pass().find(|dump| dump.resource == self.image).or_else(|| of_pass().find(|dump| Texels::of(&dump.data).is_some()))?;
+        Texels::of(&dump.data)
+    }
+
+    /// Makes the texture of the image anew if the image or its look has changed.
+    fn bring_texture(&mut self, context: &Context) {
+        if !std::mem::take(&mut self.is_stale) {
+            return;
+        }
+        let Some(texels) = self.texels() else { return };
+        let (picture, range) = texels.picture(&self.look);
+        let options = if self.smooth { TextureOptions::LINEAR } else { TextureOptions::NEAREST };
+        self.range = range;
+        match &mut self.texture {
+            Some(texture) => texture.set(picture, options),
+            None => self.texture = Some(context.load_texture("picture", picture, options)),
+        }
+    }
+}
+
+/// World position of the surface at a place of the picture.
+fn surface_at(shown: &Shown, [x, y]: [u32; 2]) -> Option<Vec3> {
+    let dump = shown.dumps.iter().find(|dump| (dump.pass, dump.resource.as_str()) == DEPTH)?;
+    let depth = Texels::of(&dump.data)?.at(x, y, 0)?[0];
+    (depth > 0.0).then(|| shown.view.position_at(x, y, depth))
+}

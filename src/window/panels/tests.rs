@@ -1,0 +1,119 @@
+//! The panels without a window: widgets are clicked by their labels, and wishes are read.
+
+use super::*;
+use crate::gpu::Format;
+use crate::graph::{Dump, DumpData};
+use crate::presets;
+use crate::scene::{Aabb, Camera};
+use crate::window::desk::Against;
+use crate::world::projection::View;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use std::path::Path;
+
+/// A frame that a wish could have.
+fn shown(wish: Wish) -> Box<Shown> {
+    let preset = presets::find(wish.project.config.to_str().unwrap()).unwrap();
+    let config = crate::config::parse_preset(preset, Path::new("preset.toml"), &wish.project.overrides()).unwrap().config;
+    let camera = Camera { name: String::new(), position: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, fov_y_deg: 50.0 };
+    let bounds = Aabb { min: Vec3::NEG_ONE, max: Vec3::ONE };
+    let data = DumpData::Image { format: Format::Rgba8Unorm, size: [2, 1], layers: 1, texels: vec![255, 0, 0, 255, 0, 255, 0, 255] };
+    Box::new(Shown {
+        view: View::new(&camera, [2, 1], bounds),
+        camera,
+        bounds,
+        config,
+        times: vec![("gbuffer/draw", 1.0), ("compose/sum", 2.0)],
+        frame_ms: 4.0,
+        counts: vec![("vpls/lit".to_owned(), 7)],
+        memory: vec![("gbuffer/depth".to_owned(), 64)],
+        dumps: vec![Dump { pass: PICTURE.0, resource: PICTURE.1.to_owned(), data }],
+        other: None,
+        outputs: vec![(DEPTH.0, vec![DEPTH.1.to_owned()]), (PICTURE.0, vec![PICTURE.1.to_owned()])],
+        warnings: vec!["something is not used".to_owned()],
+        device: "a device".to_owned(),
+        wish,
+    })
+}
+
+/// A window's panels, and the wishes that they make. A frame comes for every wish.
+struct User(Harness<'static, (Panels, Vec<Wish>)>);
+
+impl User {
+    fn of(preset: &str) -> Self {
+        let panels = Panels::new(Project::new(Path::new(preset), Vec::new()));
+        let show = |ui: &mut Ui, (panels, wishes): &mut (Panels, Vec<Wish>)| {
+            panels.show(ui);
+            if let Some(wish) = panels.wish() {
+                panels.take(News::Frame(shown(wish.clone())), ui.ctx());
+                wishes.push(wish);
+            }
+        };
+        let harness = Harness::builder().with_size([1400.0, 3000.0]).build_ui_state(show, (panels, Vec::new()));
+        let mut user = Self(harness);
+        user.0.run_steps(6);
+        user
+    }
+
+    fn click(&mut self, label: &str) -> &mut Self {
+        self.0.get_by_label(label).click();
+        self.0.run_steps(6);
+        self
+    }
+
+    /// The last wish.
+    fn wish(&self) -> &Wish {
+        self.0.state().1.last().unwrap()
+    }
+
+    fn changes(&self) -> Vec<String> {
+        self.wish().project.overrides()
+    }
+}
+
+#[test]
+fn a_change_by_a_widget_is_a_set_and_can_be_taken_back() {
+    let mut user = User::of("linke");
+    assert_eq!(user.changes(), [""; 0]);
+    user.click("ism.distortion");
+    assert_eq!(user.changes(), ["visibility.ism.distortion=false"]);
+    user.click("reset");
+    assert_eq!(user.changes(), [""; 0]);
+}
+
+#[test]
+fn a_name_is_chosen_from_a_list() {
+    let mut user = User::of("linke");
+    user.click("sampler").click("hammersley");
+    assert_eq!(user.changes(), ["vpls.sampler=\"hammersley\""]);
+}
+
+#[test]
+fn another_preset_keeps_the_scene_and_its_camera() {
+    let mut user = User::of("street");
+    let street = user.0.state().0.shown.as_ref().unwrap().config.clone();
+    user.click("preset").click("ssvp");
+    let config = &user.0.state().0.shown.as_ref().unwrap().config;
+    assert_eq!((&config.scene.builtin, &config.camera, &config.light), (&street.scene.builtin, &street.camera, &street.light));
+    assert_ne!(config.bounce.count, street.bounce.count);
+}
+
+#[test]
+fn a_pass_is_shown_until_the_method_that_has_it_is_gone() {
+    let mut user = User::of("linke");
+    user.click("gbuffer/depth");
+    assert_eq!(user.wish().pass, DEPTH.0);
+    user.click("Back to the picture");
+    assert_eq!(user.wish().pass, PICTURE.0);
+}
+
+#[test]
+fn every_tab_shows_what_it_is_for() {
+    let mut user = User::of("linke");
+    user.click("Times").0.get_by_label_contains("Memory of the frame");
+    user.click("Warnings (1)").0.get_by_label("something is not used");
+    user.click("Compare").click("the path tracer");
+    assert_eq!(user.wish().against, Against::Reference { bounces: 4 });
+    user.click("hold this picture").0.get_by_label("held: linke");
+    assert_eq!(user.wish().against, Against::Nothing);
+}
