@@ -120,11 +120,12 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// Puts a wish in the place of the one that lies there. One that saves has a place of its own, and comes first.
+    /// Puts a wish in the place of the one that lies there. One that saves stays there beside the next ones, and comes before them.
     pub fn put(&self, wish: Wish) {
         let mut lies = self.lies.lock().unwrap_or_else(PoisonError::into_inner);
         match wish.save {
-            Some(_) => lies.saving = Some(wish),
+            // An older picture would come after it, and stay.
+            Some(_) => (lies.saving, lies.wish) = (Some(wish), None),
             None => lies.wish = Some(wish),
         }
         self.comes.notify_all();
@@ -173,6 +174,9 @@ mod tests {
             Taken::Nothing | Taken::Closed => None,
         };
         assert_eq!([next(), next(), next()], [Some(2), Some(4), None]);
+        desk.put(wish(5, None));
+        desk.put(wish(6, Some("out".into())));
+        assert_eq!([next(), next()], [Some(6), None]);
         desk.close();
         assert!(matches!(desk.take(Duration::from_secs(9)), Taken::Closed));
     }
