@@ -12,14 +12,14 @@ use crate::gpu::DeviceChoice;
 use crate::graph::{self, DumpData, Reuse};
 use crate::reference::{Settings, Tracer, develop};
 use crate::renderer::{Lane, Renderer};
-use crate::window::{self, Against, Desk, News, Other, Project, Shown, Taken, Wish};
+use crate::window::{self, Against, Mailbox, Message, Other, Project, Request, Shown, Taken};
 use crate::world::Needs;
 use anyhow::Result;
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Opens the window, and renders on a thread of its own what it wishes for.
+/// Opens the window, and renders on a thread of its own what it requests for.
 pub fn run(args: &ViewArgs) -> Result<()> {
     let project = Project::new(&args.config, args.overrides());
     // A config that cannot be read ends the program before a window opens.
@@ -27,30 +27,38 @@ pub fn run(args: &ViewArgs) -> Result<()> {
     let progress = Progress::new(false);
     setup.warnings.iter().for_each(|warning| progress.warn(warning));
     let (device, validate) = (args.device.clone(), args.validate);
-    let start = |desk: Arc<Desk>, tell: window::Tell| {
-        let mut studio = Studio { device, validate, desk, tell, stage: None, last: None, failed: String::new() };
+    let start = |mailbox: Arc<Mailbox>, tell: window::Tell| {
+        let mut render_thread = RenderThread { device, validate, mailbox, tell, stage: None, last: None, failed: String::new() };
         thread::Builder::new()
-            .name("studio".to_owned())
-            .spawn(move || studio.work())
+            .name("rendering".to_owned())
+            .spawn(move || render_thread.work())
             .map_err(|error| fail!(OutOfMemory, "a thread: {error}"))
     };
-    let studio = window::open(project, args.device.as_ref(), args.validate, start)?;
-    match studio.join() {
+    let render_thread = window::open(project, args.device.as_ref(), args.validate, start)?;
+    match render_thread.join() {
         Ok(ended) => ended,
         Err(panic) => std::panic::resume_unwind(panic),
     }
 }
 
 /// The thread that renders.
-struct Studio {
+struct RenderThread {
     device: Option<DeviceChoice>,
     validate: bool,
-    desk: Arc<Desk>,
+    mailbox: Arc<Mailbox>,
     tell: window::Tell,
     stage: Option<Stage>,
-    last: Option<Wish>,
+    last: Option<Request>,
     /// What was wrong with a file when it was looked at last.
     failed: String,
+}
+
+impl Drop for RenderThread {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            (self.tell)(Message::Ended("rendering has ended by a bug of this program; the terminal says more".to_owned()));
+        }
+    }
 }
 
 /// Time between looks at the files.
@@ -82,29 +90,30 @@ struct Tracing {
     tracer: Tracer,
     config: Config,
     settings: Settings,
-    /// Number of the wish that it is for.
+    /// Number of the request that it is for.
     number: u64,
     told: Option<Instant>,
 }
 
 impl Stage {
-    /// Renders another project's picture of a wish's frame.
-    fn other(&mut self, project: &Project, wish: &Wish) -> Result<Other> {
-        let mut config = config_of(project, wish.scale)?;
+    /// Renders another project's picture of a request's frame.
+    fn other(&mut self, project: &Project, request: &Request) -> Result<Other> {
+        let mut whole = Setup::load(&project.config, &project.overrides())?.config;
         // A preset may split edges, which changes no surface; the triangles that are there serve both.
-        config.scene.split = self.scene.split;
+        whole.scene.split = self.scene.split;
+        let config = scaled(&whole, request.scale);
         if config.scene != self.scene {
             return Err(fail!(BadInput, "{} has another scene, and is not compared", project.config.display()));
         }
         self.renderer.check(&config)?;
-        let still = Config { camera: None, ..config.clone() };
+        let still = still(&whole);
         let (lane, prepared) = &mut self.other;
         if prepared.as_ref() != Some(&still) {
             self.renderer.prepare(&config, &[])?;
             *prepared = Some(still);
         }
         lane.cut();
-        let shot = self.renderer.shot(&config, wish.frame)?;
+        let shot = self.renderer.shot(&config, request.frame)?;
         let mut execution = execution(&config, &self.renderer);
         execution.dump = vec![window::PICTURE.0.to_owned()];
         let rendered = self.renderer.shoot(lane, shot, &config, false, &execution)?;
@@ -114,12 +123,11 @@ impl Stage {
     }
 
     /// Begins to trace paths for a frame, unless it is the one that is traced already.
-    fn follow(&mut self, config: &Config, frame: u32, bounces: u32, number: u64) -> Result<()> {
-        let settings = Settings { bounces, frame_index: frame, min_distance: 0.0, centered: false };
+    fn follow(&mut self, config: &Config, frame_index: u32, bounces: u32, number: u64) -> Result<()> {
+        let settings = Settings { bounces, frame_index, min_distance: 0.0, centered: false };
         // Methods make no difference to the truth.
-        let truth = Config { scene: config.scene.clone(), camera: config.camera.clone(), light: config.light.clone(), ..Config::default() };
-        let of_scene = (config.frame.clone(), config.materials.clone(), config.sky.clone(), config.compose.clone());
-        let truth = Config { frame: of_scene.0, materials: of_scene.1, sky: of_scene.2, compose: of_scene.3, ..truth };
+        let Config { scene, camera, light, frame, materials, sky, compose, .. } = config.clone();
+        let truth = Config { scene, camera, light, frame, materials, sky, compose, ..Config::default() };
         if let Some(tracing) = &mut self.tracing
             && (&tracing.config, tracing.settings) == (&truth, settings)
         {
@@ -141,39 +149,45 @@ impl Stage {
     }
 }
 
-/// A project's config, with a share of its picture's sides.
-fn config_of(project: &Project, scale: f32) -> Result<Config> {
-    let mut config = Setup::load(&project.config, &project.overrides())?.config;
+/// A config with a share of its picture's sides.
+fn scaled(config: &Config, scale: f32) -> Config {
+    let mut config = config.clone();
     config.frame.size = config.frame.size.map(|side| ((side as f32 * scale).round() as u32).max(1));
-    Ok(config)
+    config
 }
 
-impl Studio {
+/// A config without its camera. The passes of a frame are the same wherever that is, and however large its picture: a pipeline that is not
+/// is made when it is used.
+fn still(config: &Config) -> Config {
+    Config { camera: None, ..config.clone() }
+}
+
+impl RenderThread {
     /// Renders until the window closes.
     fn work(&mut self) -> Result<()> {
-        let desk = self.desk.clone();
+        let mailbox = self.mailbox.clone();
         loop {
             // Paths are traced as long as nothing else is wanted.
             let patience = if self.stage.as_ref().is_some_and(|stage| stage.tracing.is_some()) { Duration::ZERO } else { WATCH };
-            let wish = match desk.take(patience) {
-                Taken::Wish(wish) => Some(*wish),
+            let request = match mailbox.take(patience) {
+                Taken::Request(request) => Some(*request),
                 Taken::Nothing => self.changed_files(),
                 Taken::Closed => break,
             };
-            let Some(wish) = wish else {
+            let Some(request) = request else {
                 self.trace()?;
                 continue;
             };
-            self.last = Some(Wish { save: None, depth: false, ..wish.clone() });
-            match self.fulfil(wish) {
-                Ok(shown) => (self.tell)(News::Frame(Box::new(shown))),
+            self.last = Some(Request { save: None, depth: false, ..request.clone() });
+            match self.fulfil(request) {
+                Ok(shown) => (self.tell)(Message::Frame(Box::new(shown))),
                 Err(error) if exit_code(&error) == Exit::DeviceLost => {
-                    (self.tell)(News::Ended(format!("{error:#}")));
+                    (self.tell)(Message::Ended(format!("{error:#}")));
                     return Err(error);
                 }
                 Err(error) => {
                     self.failed = format!("{error:#}");
-                    (self.tell)(News::Failed(self.failed.clone()));
+                    (self.tell)(Message::Failed(self.failed.clone()));
                 }
             }
         }
@@ -202,24 +216,24 @@ impl Studio {
                 tracing.told = Some(Instant::now());
                 let name = format!("path tracer, {} paths a pixel", sums.samples);
                 let other = Other { name, size: sums.size, image: develop(&sums, &tracing.config.compose) };
-                (self.tell)(News::Reference(tracing.number, other));
+                (self.tell)(Message::Reference(tracing.number, other));
                 Ok(())
             }
             Err(error) if exit_code(&error) == Exit::DeviceLost => {
-                (self.tell)(News::Ended(format!("{error:#}")));
+                (self.tell)(Message::Ended(format!("{error:#}")));
                 Err(error)
             }
             Err(error) => {
                 stage.stop_tracing();
-                (self.tell)(News::Failed(format!("{error:#}")));
+                (self.tell)(Message::Failed(format!("{error:#}")));
                 Ok(())
             }
         }
     }
 
-    /// The last wish again, if the config's files or the shaders have changed since. A shader that does not compile is told of, and the
+    /// The last request again, if the config's files or the shaders have changed since. A shader that does not compile is told of, and the
     /// one before stays.
-    fn changed_files(&mut self) -> Option<Wish> {
+    fn changed_files(&mut self) -> Option<Request> {
         let last = self.last.clone()?;
         let stage = self.stage.as_mut()?;
         let again = if std::env::var_os(graph::SHADERS).is_some() { stage.renderer.reload(stage.config.as_ref()?) } else { Ok(false) };
@@ -238,24 +252,24 @@ impl Studio {
                 let error = format!("{error:#}");
                 if self.failed != error {
                     self.failed.clone_from(&error);
-                    (self.tell)(News::Failed(error));
+                    (self.tell)(Message::Failed(error));
                 }
                 None
             }
         }
     }
 
-    fn fulfil(&mut self, wish: Wish) -> Result<Shown> {
+    fn fulfil(&mut self, request: Request) -> Result<Shown> {
         let started = Instant::now();
-        let setup = Setup::load(&wish.project.config, &wish.project.overrides())?;
-        let config = config_of(&wish.project, wish.scale)?;
+        let setup = Setup::load(&request.project.config, &request.project.overrides())?;
+        let config = scaled(&setup.config, request.scale);
         if self.stage.as_ref().is_none_or(|stage| stage.scene != config.scene) {
-            (self.tell)(News::Doing("loading the scene"));
+            (self.tell)(Message::Doing("loading the scene"));
             // Two large scenes may not fit.
             self.stage = None;
             let opened = open(&config, On { device: self.device.as_ref(), validate: self.validate })?;
             let warnings = opened.warnings.clone();
-            (self.tell)(News::Doing("bringing the scene to the device"));
+            (self.tell)(Message::Doing("bringing the scene to the device"));
             // Any method may be chosen later.
             let renderer = opened.bring(Needs { rays: true })?;
             self.stage = Some(Stage {
@@ -273,54 +287,55 @@ impl Studio {
         let Some(stage) = &mut self.stage else { unreachable!("the stage was just set up") };
         stage.config = Some(setup.config.clone());
         stage.renderer.check(&config)?;
-        // Neither where the camera is nor how large its picture makes a difference to passes; a pipeline that does is made when it is used.
-        let mut still = Config { camera: None, ..config.clone() };
-        still.frame.size = setup.config.frame.size;
+        let still = still(&setup.config);
         if stage.prepared.as_ref() != Some(&still) {
-            (self.tell)(News::Doing("preparing the shaders"));
+            (self.tell)(Message::Doing("preparing the shaders"));
             (stage.prepared, stage.number) = (None, stage.number + 1);
             stage.renderer.prepare(&config, &[])?;
             stage.outputs = stage.renderer.outputs(&config)?;
             stage.prepared = Some(still);
         }
-        let pass = match stage.outputs.iter().any(|(pass, _)| *pass == wish.pass) {
-            true => wish.pass,
+        let pass = match stage.outputs.iter().any(|(pass, _)| *pass == request.pass) {
+            true => request.pass,
             false => window::PICTURE.0,
         };
         let mut execution = execution(&config, &stage.renderer);
         // A whole frame runs every pass, so that every time is there; one of a moving camera takes over what does not hang on it.
-        let number = stage.number.wrapping_mul(1 << 20).wrapping_add(u64::from(wish.frame));
-        execution.reuse = if wish.moving { Reuse::Apply(number) } else { Reuse::Remember(number) };
-        execution.dump = [Some(pass), wish.depth.then_some(window::DEPTH.0)].into_iter().flatten().map(str::to_owned).collect();
-        let rendered = stage.renderer.render(&config, wish.frame, wish.save.is_some(), &execution)?;
-        let other = match &wish.against {
+        let number = stage.number.wrapping_mul(1 << 20).wrapping_add(u64::from(request.frame));
+        execution.reuse = if request.moving { Reuse::Apply(number) } else { Reuse::Remember(number) };
+        execution.dump = [Some(pass), request.depth.then_some(window::DEPTH.0)].into_iter().flatten().map(str::to_owned).collect();
+        let rendered = stage.renderer.render(&config, request.frame, request.save.is_some(), &execution)?;
+        let other = match &request.against {
             Against::Nothing => None,
-            Against::Project(project) => Some(stage.other(project, &wish)?),
-            Against::Reference { .. } if wish.moving => {
+            Against::Project(project) => match stage.other(project, &request) {
+                Err(error) if exit_code(&error) == Exit::DeviceLost => return Err(error),
+                other => Some(other.map_err(|error| format!("{error:#}"))),
+            },
+            Against::Reference { .. } if request.moving => {
                 stage.stop_tracing();
                 None
             }
             Against::Reference { bounces } => {
-                stage.follow(&config, wish.frame, *bounces, wish.number)?;
+                stage.follow(&config, request.frame, *bounces, request.number)?;
                 None
             }
         };
-        if !matches!(wish.against, Against::Reference { .. }) {
+        if !matches!(request.against, Against::Reference { .. }) {
             stage.stop_tracing();
         }
-        if let (Some(folder), Some(picture)) = (&wish.save, &rendered.picture) {
+        if let (Some(folder), Some(picture)) = (&request.save, &rendered.picture) {
             prepare_folder(folder)?;
             let from = setup.provenance(&stage.renderer);
             write_picture(&folder.join("image.exr"), &folder.join("image.png"), picture, &config, &from)?;
-            (self.tell)(News::Saved(folder.clone()));
+            (self.tell)(Message::Saved(folder.clone()));
         }
         let from = setup.provenance(&stage.renderer);
         let warnings = [setup.warnings, stage.warnings.clone(), stage.renderer.warnings(&config), rendered.warnings()].concat();
         Ok(Shown {
-            camera: stage.renderer.camera(&config, wish.frame)?,
-            view: stage.renderer.view(&config, wish.frame)?,
+            camera: stage.renderer.camera(&config, request.frame)?,
+            view: stage.renderer.view(&config, request.frame)?,
             bounds: stage.renderer.world().device().bounds,
-            wish,
+            request,
             config,
             times: rendered.times,
             frame_ms: started.elapsed().as_secs_f64() * 1e3,

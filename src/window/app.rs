@@ -1,6 +1,6 @@
 //! The window's events.
 
-use super::desk::{Desk, News};
+use super::mailbox::{Mailbox, Message};
 use super::painter::Painter;
 use super::panels::Panels;
 use super::project::Project;
@@ -24,7 +24,7 @@ const AGAIN: Duration = Duration::from_millis(50);
 /// The application.
 pub struct App {
     panels: Panels,
-    desk: Arc<Desk>,
+    mailbox: Arc<Mailbox>,
     device: Option<DeviceChoice>,
     validate: bool,
     egui: egui::Context,
@@ -45,9 +45,9 @@ struct Open {
 }
 
 impl App {
-    pub fn new(project: Project, desk: Arc<Desk>, device: Option<DeviceChoice>, validate: bool) -> Self {
+    pub fn new(project: Project, mailbox: Arc<Mailbox>, device: Option<DeviceChoice>, validate: bool) -> Self {
         let panels = Panels::new(project);
-        Self { panels, desk, device, validate, egui: egui::Context::default(), open: None, error: None }
+        Self { panels, mailbox, device, validate, egui: egui::Context::default(), open: None, error: None }
     }
 
     /// Result of the window, once it is closed.
@@ -85,8 +85,8 @@ impl App {
         let mut input = open.input.take_egui_input(&open.window);
         input.viewports.insert(ViewportId::ROOT, open.info.clone());
         let output = self.egui.run_ui(input, |ui| self.panels.show(ui));
-        if let Some(wish) = self.panels.wish() {
-            self.desk.put(wish);
+        if let Some(request) = self.panels.request() {
+            self.mailbox.put(request);
         }
         open.input.handle_platform_output(&open.window, output.platform_output);
         let triangles = self.egui.tessellate(output.shapes, output.pixels_per_point);
@@ -102,7 +102,7 @@ impl App {
     }
 }
 
-impl ApplicationHandler<News> for App {
+impl ApplicationHandler<Message> for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if self.open.is_some() {
             return;
@@ -116,8 +116,8 @@ impl ApplicationHandler<News> for App {
         }
     }
 
-    fn user_event(&mut self, _events: &ActiveEventLoop, news: News) {
-        self.panels.take(news, &self.egui);
+    fn user_event(&mut self, _events: &ActiveEventLoop, message: Message) {
+        self.panels.take(message, &self.egui);
         if let Some(open) = &self.open {
             open.window.set_title(&self.panels.title());
             open.window.request_redraw();

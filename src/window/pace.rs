@@ -30,7 +30,8 @@ impl Pace {
         let most = MOST_MS.max(1.25 * expected(&STEPS[STEPS.len() - 1]));
         let step = STEPS.iter().position(|step| expected(step) <= most).unwrap_or(STEPS.len() - 1);
         // A larger one is tried where there is time left, since nothing else tells what pixels cost.
-        let has_room = self.ms[step].is_some_and(|ms| ms < 0.8 * MOST_MS);
+        // The smallest one says nothing: its pixels are few.
+        let has_room = self.ms[step].is_some_and(|ms| ms < 0.8 * MOST_MS || step + 1 == STEPS.len());
         let larger = step.checked_sub(1).filter(|larger| has_room && self.ms[*larger].is_none());
         STEPS[larger.unwrap_or(step)]
     }
@@ -81,6 +82,6 @@ mod tests {
 
     #[test]
     fn pixels_are_not_given_up_where_they_cost_little() {
-        assert!(settled(200.0, 40.0) >= 0.7);
+        assert!(settled(200.0, 40.0) >= 0.7 && settled(110.0, 30.0) >= 0.7);
     }
 }

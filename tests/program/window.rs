@@ -179,20 +179,6 @@ impl<'d> User<'d> {
         self.wait("the picture in the window", |user| user.screen()?.find(picture, width));
     }
 
-    /// Has the window show a picture that it knows pixel by pixel. A key that comes before the first picture is drawn is lost.
-    #[track_caller]
-    fn shows_pixels_of(&mut self, picture: &[[u8; 3]], width: usize) {
-        self.click(740, 430);
-        let mut pressed: Option<Instant> = None;
-        self.wait("the picture in the window", |user| {
-            if pressed.is_none_or(|at| at.elapsed() > Duration::from_secs(3)) {
-                user.press('1');
-                pressed = Some(Instant::now());
-            }
-            user.screen()?.find(picture, width)
-        });
-    }
-
     /// Waits for a file that is newer than the one that was there.
     fn file(&mut self, path: &Path) {
         self.wait("a file", |_| path.is_file().then_some(()));
@@ -243,14 +229,22 @@ fn picture(path: &Path) -> (Vec<[u8; 3]>, usize) {
     (png.values.chunks_exact(3).map(|pixel| [byte(pixel[0]), byte(pixel[1]), byte(pixel[2])]).collect(), png.width as usize)
 }
 
+/// The window on the box, and the picture that `render` writes of it, which it shows pixel by pixel.
+fn opened<'d>(display: &'d Display, place: &Place) -> (User<'d>, Vec<[u8; 3]>, usize) {
+    place.succeeds("render box.toml --frames 1 -o still --quiet");
+    let (still, width) = picture(&place.path("still/image.png"));
+    let mut user = User::open(display, place, &["box.toml"]);
+    user.click(740, 430);
+    user.press('1');
+    user.sees(&still, width);
+    (user, still, width)
+}
+
 #[test]
 fn the_window_shows_the_pixels_that_render_writes() {
     let Some(display) = Display::open() else { return };
     let place = Place::new(&[("box.toml", BOX)]);
-    place.succeeds("render box.toml --frames 1 -o still --quiet");
-    let mut user = User::open(&display, &place, &["box.toml"]);
-    let (still, width) = picture(&place.path("still/image.png"));
-    user.shows_pixels_of(&still, width);
+    let (user, ..) = opened(&display, &place);
     user.close();
 }
 
@@ -258,10 +252,7 @@ fn the_window_shows_the_pixels_that_render_writes() {
 fn a_flight_is_saved_as_a_config_whose_picture_is_the_windows() {
     let Some(display) = Display::open() else { return };
     let place = Place::new(&[("box.toml", BOX)]);
-    place.succeeds("render box.toml --frames 1 -o still --quiet");
-    let (still, width) = picture(&place.path("still/image.png"));
-    let mut user = User::open(&display, &place, &["box.toml"]);
-    user.shows_pixels_of(&still, width);
+    let (mut user, ..) = opened(&display, &place);
     user.press_control('s');
     user.file(&place.path("out/box-view/image.exr"));
     let (before, _) = picture(&place.path("out/box-view/image.png"));
@@ -290,10 +281,7 @@ fn a_flight_is_saved_as_a_config_whose_picture_is_the_windows() {
 fn a_window_of_any_size_shows_the_picture_once_it_is_large_enough() {
     let Some(display) = Display::open() else { return };
     let place = Place::new(&[("box.toml", BOX)]);
-    place.succeeds("render box.toml --frames 1 -o still --quiet");
-    let mut user = User::open(&display, &place, &["box.toml"]);
-    let (still, width) = picture(&place.path("still/image.png"));
-    user.shows_pixels_of(&still, width);
+    let (mut user, still, width) = opened(&display, &place);
     let times: u32 = std::env::var("MANYLIGHT_RESIZES").ok().and_then(|times| times.parse().ok()).unwrap_or(60);
     let mut random = 12_345u32;
     let mut next = |below: u32| {

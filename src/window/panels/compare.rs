@@ -5,9 +5,9 @@ use crate::color::srgb_to_linear;
 use crate::metrics::{self, Content, Image};
 use crate::presets;
 use crate::window::PICTURE;
-use crate::window::desk::Shown;
-use crate::window::desk::{Against, Other};
 use crate::window::look::Texels;
+use crate::window::mailbox::Shown;
+use crate::window::mailbox::{Against, Other};
 use anyhow::Result;
 use egui::{Color32, ColorImage, ComboBox, Context, Grid, RichText, TextureHandle, TextureOptions, Ui};
 use std::sync::mpsc::{Receiver, channel};
@@ -70,7 +70,7 @@ struct Compared {
 const BOUNCES: u32 = 4;
 
 impl Compare {
-    /// What a wish is compared with.
+    /// What a request is compared with.
     pub fn against(&self, panels: &Panels) -> Against {
         match &self.choice {
             Choice::Nothing | Choice::Held => Against::Nothing,
@@ -131,7 +131,7 @@ impl Compare {
             }));
         }
         // Figures of smaller pictures are others.
-        if !self.is_stale || self.awaited.is_some() || shown.wish.scale < 1.0 {
+        if !self.is_stale || self.awaited.is_some() || shown.request.scale < 1.0 {
             return;
         }
         let (Some(other), Some(picture)) = (&self.other, picture_of(shown)) else { return };
@@ -238,7 +238,7 @@ impl Panels {
 fn picture_of(shown: &Shown) -> Option<Other> {
     let dump = shown.dumps.iter().find(|dump| (dump.pass, dump.resource.as_str()) == PICTURE)?;
     let texels = Texels::of(&dump.data)?;
-    Some(Other { name: shown.wish.project.config.display().to_string(), size: texels.size, image: texels.all().to_vec() })
+    Some(Other { name: shown.request.project.config.display().to_string(), size: texels.size, image: texels.all().to_vec() })
 }
 
 fn compared(picture: &Other, other: &Other) -> Result<Compared> {

@@ -2,8 +2,8 @@
 
 mod compare;
 mod keys;
+mod passes;
 mod picture;
-mod stages;
 mod status;
 #[cfg(test)]
 mod tests;
@@ -11,9 +11,9 @@ mod times;
 mod top;
 
 use self::compare::Compare;
-use super::desk::{News, Shown, Wish};
 use super::flight::Flight;
 use super::look::{Look, Texels};
+use super::mailbox::{Message, Request, Shown};
 use super::pace::Pace;
 use super::project::Project;
 use super::{DEPTH, PICTURE};
@@ -72,9 +72,7 @@ pub struct Panels {
     said: Option<String>,
     has_ended: bool,
     save: Option<std::path::PathBuf>,
-    asked: Option<Wish>,
-    /// Whether the thread that renders has a wish.
-    is_waiting: bool,
+    asked: Option<Request>,
     number: u64,
 }
 
@@ -109,7 +107,6 @@ impl Panels {
             has_ended: false,
             save: None,
             asked: None,
-            is_waiting: false,
             number: 0,
         }
     }
@@ -122,49 +119,50 @@ impl Panels {
     /// Title of the window: what the last frame shows.
     pub fn title(&self) -> String {
         match &self.shown {
-            Some(shown) => format!("{} - manylight", shown.wish.project.config.display()),
+            Some(shown) => format!("{} - manylight", shown.request.project.config.display()),
             None => "manylight".to_owned(),
         }
     }
 
-    /// Takes over news.
-    pub fn take(&mut self, news: News, context: &Context) {
-        match news {
-            News::Doing(what) => self.doing = Some((what, Instant::now())),
-            News::Saved(folder) => self.said = Some(format!("written: {}", folder.join("image.png").display())),
-            News::Failed(why) => {
-                (self.doing, self.failed, self.is_waiting, self.is_playing) = (None, Some(why), false, false);
+    /// Takes over a message.
+    pub fn take(&mut self, message: Message, context: &Context) {
+        match message {
+            Message::Doing(what) => self.doing = Some((what, Instant::now())),
+            Message::Saved(folder) => self.said = Some(format!("written: {}", folder.join("image.png").display())),
+            Message::Failed(why) => {
+                (self.doing, self.failed, self.is_playing) = (None, Some(why), false);
             }
-            News::Ended(why) => {
+            Message::Ended(why) => {
                 // What was made here is not lost with the device.
                 self.save_config();
                 let saved = self.said.take().map_or_else(String::new, |said| format!(" ({said})"));
                 (self.doing, self.failed, self.has_ended, self.is_playing) = (None, Some(format!("{why}{saved}")), true, false);
             }
-            News::Reference(number, other) => {
+            Message::Reference(number, other) => {
                 if self.asked.as_ref().is_some_and(|asked| asked.number == number) {
                     self.compare.take(other, context);
                 }
             }
-            News::Frame(shown) => self.take_frame(shown, context),
+            Message::Frame(shown) => self.take_frame(shown, context),
         }
     }
 
     fn take_frame(&mut self, mut shown: Box<Shown>, context: &Context) {
-        (self.doing, self.failed, self.is_waiting) = (None, None, false);
+        (self.doing, self.failed) = (None, None);
         self.times.push_back(shown.times.clone());
         if self.times.len() > FRAMES {
             self.times.pop_front();
         }
-        self.pace.measured(shown.wish.scale, shown.wish.moving, shown.frame_ms);
-        if let Some(place) = self.aim.filter(|_| shown.wish.depth) {
+        // Times of the passes, and not of what a first frame waits for.
+        self.pace.measured(shown.request.scale, shown.request.moving, shown.times.iter().map(|(_, ms)| ms).sum());
+        if let Some(place) = self.aim.filter(|_| shown.request.depth) {
             self.aim = None;
             if let (Some(target), Some(flight)) = (surface_at(&shown, place), &mut self.flight) {
                 flight.aim(target);
             }
         }
-        // A frame of an older wish would take the camera back.
-        if !self.is_moving() && shown.wish.project == self.project {
+        // A frame of an older request would take the camera back.
+        if !self.is_moving() && shown.request.project == self.project {
             self.flight = Some(match self.flight.take() {
                 Some(old) => Flight { speed: old.speed, ..Flight::from(&shown.camera, shown.bounds) },
                 None => Flight::from(&shown.camera, shown.bounds),
@@ -176,8 +174,10 @@ impl Panels {
         if self.is_playing {
             self.frame = (self.frame + 1) % shown.config.frame.count.max(1);
         }
-        if let Some(other) = shown.other.take() {
-            self.compare.take(other, context);
+        match shown.other.take() {
+            Some(Ok(other)) => self.compare.take(other, context),
+            Some(Err(why)) => self.failed = Some(why),
+            None => {}
         }
         self.compare.shown();
         (self.shown, self.is_stale) = (Some(shown), true);
@@ -195,7 +195,7 @@ impl Panels {
         egui::Panel::top("top").show(ui, |ui| self.top(ui));
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
         egui::Panel::left("keys").default_size(370.0).size_range(260.0..=600.0).show(ui, |ui| self.keys(ui));
-        egui::Panel::right("stages").default_size(330.0).size_range(240.0..=600.0).show(ui, |ui| {
+        egui::Panel::right("passes").default_size(330.0).size_range(240.0..=600.0).show(ui, |ui| {
             ui.horizontal(|ui| {
                 let count = self.shown.as_ref().map_or(0, |shown| shown.warnings.len());
                 let warnings = if count == 0 { "Warnings".to_owned() } else { format!("Warnings ({count})") };
@@ -206,7 +206,7 @@ impl Panels {
             });
             ui.separator();
             match self.tab {
-                Tab::Passes => self.stages(ui),
+                Tab::Passes => self.passes(ui),
                 Tab::Compare => self.compare(ui),
                 Tab::Times => self.times(ui),
                 Tab::Warnings => self.warnings(ui),
@@ -222,14 +222,18 @@ impl Panels {
     }
 
     /// The frame that is wanted now, if it is another than the last one.
-    pub fn wish(&mut self) -> Option<Wish> {
+    pub fn request(&mut self) -> Option<Request> {
         if self.has_ended {
             return None;
         }
         let save = self.save.take();
+        if save.is_some() {
+            // After the input of this picture, so that the config is the picture's.
+            self.save_config();
+        }
         // What is saved is whole.
         let moving = self.is_moving() && save.is_none();
-        let wish = Wish {
+        let request = Request {
             number: self.number,
             project: self.project.clone(),
             frame: self.frame,
@@ -240,14 +244,13 @@ impl Panels {
             against: self.compare.against(self),
             save,
         };
-        if self.asked.as_ref().is_some_and(|asked| *asked == wish) {
+        if self.asked.as_ref().is_some_and(|asked| *asked == request) {
             return None;
         }
         self.number += 1;
-        let wish = Wish { number: self.number, ..wish };
-        self.asked = Some(Wish { save: None, ..wish.clone() });
-        self.is_waiting = true;
-        Some(wish)
+        let request = Request { number: self.number, ..request };
+        self.asked = Some(Request { save: None, ..request.clone() });
+        Some(request)
     }
 
     /// Hands the camera of the flight to the config.

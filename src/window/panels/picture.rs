@@ -2,7 +2,7 @@
 
 use super::Panels;
 use crate::window::flight::Push;
-use egui::{Color32, Key, PointerButton, Pos2, Rect, Sense, Ui, Vec2};
+use egui::{Color32, Event, Key, PointerButton, Pos2, Rect, Sense, Ui, Vec2};
 use glam::Vec2 as Angles;
 
 /// Radians that the camera turns when the pointer crosses the picture.
@@ -27,7 +27,7 @@ impl Panels {
         let size = Vec2::new(width as f32, height as f32);
         let pixels = ui.ctx().pixels_per_point();
         // A smaller picture of a moving camera takes the place of the whole one.
-        let at_rest = self.shown.as_ref().map_or(1.0, |shown| shown.wish.scale);
+        let at_rest = self.shown.as_ref().map_or(1.0, |shown| shown.request.scale);
         let natural = size / at_rest / pixels;
         let fit = (area.size() / natural).min_elem();
         let size = if self.fits { natural * fit } else { natural };
@@ -99,7 +99,9 @@ impl Panels {
             flight.fly(push, if shift { 4.0 * seconds } else { seconds });
             ui.ctx().request_repaint();
         }
-        let pressed = |key: Key| ui.input(|input| input.key_pressed(key) && !input.modifiers.any());
+        // A key that is held is one press: the display repeats it, and a window that gains the focus hears of it again.
+        let is_press = |event: &Event, wanted: Key| matches!(event, Event::Key { key, pressed: true, repeat: false, .. } if *key == wanted);
+        let pressed = |key: Key| ui.input(|input| !input.modifiers.any() && input.events.iter().any(|event| is_press(event, key)));
         if pressed(Key::F)
             && let Some(shown) = &self.shown
         {

@@ -1,20 +1,20 @@
-//! The panels without a window: widgets are clicked by their labels, and wishes are read.
+//! The panels without a window: widgets are clicked by their labels, and requests are read.
 
 use super::*;
 use crate::gpu::Format;
 use crate::graph::{Dump, DumpData};
 use crate::presets;
 use crate::scene::{Aabb, Camera};
-use crate::window::desk::Against;
+use crate::window::mailbox::Against;
 use crate::world::projection::View;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use std::path::Path;
 
-/// A frame that a wish could have.
-fn shown(wish: Wish) -> Box<Shown> {
-    let preset = presets::find(wish.project.config.to_str().unwrap()).unwrap();
-    let config = crate::config::parse_preset(preset, Path::new("preset.toml"), &wish.project.overrides()).unwrap().config;
+/// A frame that a request could have.
+fn shown(request: Request) -> Box<Shown> {
+    let preset = presets::find(request.project.config.to_str().unwrap()).unwrap();
+    let config = crate::config::parse_preset(preset, Path::new("preset.toml"), &request.project.overrides()).unwrap().config;
     let camera = Camera { name: String::new(), position: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, fov_y_deg: 50.0 };
     let bounds = Aabb { min: Vec3::NEG_ONE, max: Vec3::ONE };
     let data = DumpData::Image { format: Format::Rgba8Unorm, size: [2, 1], layers: 1, texels: vec![255, 0, 0, 255, 0, 255, 0, 255] };
@@ -32,21 +32,21 @@ fn shown(wish: Wish) -> Box<Shown> {
         outputs: vec![(DEPTH.0, vec![DEPTH.1.to_owned()]), (PICTURE.0, vec![PICTURE.1.to_owned()])],
         warnings: vec!["something is not used".to_owned()],
         device: "a device".to_owned(),
-        wish,
+        request,
     })
 }
 
-/// A window's panels, and the wishes that they make. A frame comes for every wish.
-struct User(Harness<'static, (Panels, Vec<Wish>)>);
+/// A window's panels, and the requests that they make. A frame comes for every request.
+struct User(Harness<'static, (Panels, Vec<Request>)>);
 
 impl User {
     fn of(preset: &str) -> Self {
         let panels = Panels::new(Project::new(Path::new(preset), Vec::new()));
-        let show = |ui: &mut Ui, (panels, wishes): &mut (Panels, Vec<Wish>)| {
+        let show = |ui: &mut Ui, (panels, requests): &mut (Panels, Vec<Request>)| {
             panels.show(ui);
-            if let Some(wish) = panels.wish() {
-                panels.take(News::Frame(shown(wish.clone())), ui.ctx());
-                wishes.push(wish);
+            if let Some(request) = panels.request() {
+                panels.take(Message::Frame(shown(request.clone())), ui.ctx());
+                requests.push(request);
             }
         };
         let harness = Harness::builder().with_size([1400.0, 3000.0]).build_ui_state(show, (panels, Vec::new()));
@@ -61,13 +61,13 @@ impl User {
         self
     }
 
-    /// The last wish.
-    fn wish(&self) -> &Wish {
+    /// The last request.
+    fn request(&self) -> &Request {
         self.0.state().1.last().unwrap()
     }
 
     fn changes(&self) -> Vec<String> {
-        self.wish().project.overrides()
+        self.request().project.overrides()
     }
 }
 
@@ -102,9 +102,9 @@ fn another_preset_keeps_the_scene_and_its_camera() {
 fn a_pass_is_shown_until_the_method_that_has_it_is_gone() {
     let mut user = User::of("linke");
     user.click("gbuffer/depth");
-    assert_eq!(user.wish().pass, DEPTH.0);
+    assert_eq!(user.request().pass, DEPTH.0);
     user.click("Back to the picture");
-    assert_eq!(user.wish().pass, PICTURE.0);
+    assert_eq!(user.request().pass, PICTURE.0);
 }
 
 #[test]
@@ -113,7 +113,18 @@ fn every_tab_shows_what_it_is_for() {
     user.click("Times").0.get_by_label_contains("Memory of the frame");
     user.click("Warnings (1)").0.get_by_label("something is not used");
     user.click("Compare").click("the path tracer");
-    assert_eq!(user.wish().against, Against::Reference { bounces: 4 });
+    assert_eq!(user.request().against, Against::Reference { bounces: 4 });
     user.click("hold this picture").0.get_by_label("held: linke");
-    assert_eq!(user.wish().against, Against::Nothing);
+    assert_eq!(user.request().against, Against::Nothing);
+}
+
+#[test]
+fn a_key_that_is_held_counts_once() {
+    let mut user = User::of("linke");
+    assert!(user.0.state().0.fits);
+    for _ in 0..2 {
+        user.0.key_down(egui::Key::Num1);
+        user.0.run_steps(2);
+    }
+    assert!(!user.0.state().0.fits);
 }

@@ -9,7 +9,7 @@ impl Panels {
         let stages: Vec<&str> = unique(shown.times.iter().map(|(pass, _)| stage(pass)));
         self.graph(ui, &stages);
         let frame: f64 = shown.times.iter().map(|(_, ms)| ms).sum();
-        ui.label(format!("passes {frame:.1} ms; wish to frame {:.1} ms", shown.frame_ms));
+        ui.label(format!("passes {frame:.1} ms; request to frame {:.1} ms", shown.frame_ms));
         ui.label(RichText::new(&shown.device).weak());
         ui.separator();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {

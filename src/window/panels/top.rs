@@ -24,7 +24,6 @@ impl Panels {
             }
             let hint = "Write the picture as PNG, all layers as EXR, as render does, and the config beside them (Ctrl+S)";
             if ui.add_enabled(shown, Button::new("Save picture")).on_hover_text(hint).clicked() || (wants_picture && shown) {
-                self.save_config();
                 self.save = Some(self.folder());
             }
             let hint = "Take back every change that was made here";

@@ -6,7 +6,7 @@ use crate::window::look::{Channel, Look};
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, Ui};
 
 impl Panels {
-    pub(super) fn stages(&mut self, ui: &mut Ui) {
+    pub(super) fn passes(&mut self, ui: &mut Ui) {
         let Some(shown) = &self.shown else { return };
         if ui.button("Back to the picture").clicked() {
             (self.pass, self.image, self.look, self.is_stale) = (PICTURE.0, PICTURE.1.to_owned(), Look::default(), true);

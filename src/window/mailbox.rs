@@ -1,4 +1,4 @@
-//! The desk between the window and the thread that renders: one wish lies on it at a time, the latest.
+//! The mailbox between the window and the thread that renders. It holds one request at a time, the latest.
 
 use super::project::Project;
 use crate::config::Config;
@@ -11,8 +11,8 @@ use std::time::Duration;
 
 /// A frame that the window wants.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Wish {
-    /// Grows from wish to wish.
+pub struct Request {
+    /// Grows from request to request.
     pub number: u64,
     pub project: Project,
     pub frame: u32,
@@ -53,10 +53,10 @@ pub struct Other {
     pub image: Vec<u8>,
 }
 
-/// A frame that was rendered for a [`Wish`].
+/// A frame that was rendered for a [`Request`].
 #[derive(Debug)]
 pub struct Shown {
-    pub wish: Wish,
+    pub request: Request,
     pub config: Config,
     pub view: View,
     /// The camera of the view.
@@ -65,14 +65,14 @@ pub struct Shown {
     pub bounds: Aabb,
     /// Milliseconds of each pass, in order.
     pub times: Vec<(&'static str, f64)>,
-    /// Milliseconds from the wish to its frame.
+    /// Milliseconds from the request to its frame.
     pub frame_ms: f64,
     pub counts: Vec<(String, u64)>,
     /// Bytes of each resource of the frame.
     pub memory: Vec<(String, u64)>,
     pub dumps: Vec<Dump>,
-    /// The picture of [`Against::Project`].
-    pub other: Option<Other>,
+    /// The picture of [`Against::Project`], or why there is none.
+    pub other: Option<Result<Other, String>>,
     /// Passes of the frame, with the images that each writes.
     pub outputs: Vec<(&'static str, Vec<String>)>,
     pub warnings: Vec<String>,
@@ -80,73 +80,73 @@ pub struct Shown {
     pub device: String,
 }
 
-/// News from the thread that renders.
+/// A message from the thread that renders.
 #[derive(Debug)]
-pub enum News {
+pub enum Message {
     /// It does something that takes a while.
     Doing(&'static str),
     Frame(Box<Shown>),
-    /// The path tracer's picture so far, for the wish of this number.
+    /// The path tracer's picture so far, for the request of this number.
     Reference(u64, Other),
     /// Picture and layers were written to this folder.
     Saved(PathBuf),
-    /// A wish could not be fulfilled, in one sentence. The last frame stays.
+    /// A request could not be fulfilled, in one sentence. The last frame stays.
     Failed(String),
     /// The device is lost, or rendering ended otherwise: nothing follows.
     Ended(String),
 }
 
-/// What lies on the desk.
+/// What the mailbox holds.
 #[derive(Debug)]
 pub enum Taken {
-    Wish(Box<Wish>),
+    Request(Box<Request>),
     Nothing,
     /// The window was closed.
     Closed,
 }
 
 #[derive(Debug, Default)]
-struct Lies {
-    wish: Option<Wish>,
-    saving: Option<Wish>,
+struct Contents {
+    request: Option<Request>,
+    saving: Option<Request>,
     is_closed: bool,
 }
 
-/// The latest wish, from the window to the thread that renders.
+/// The latest request, from the window to the thread that renders.
 #[derive(Debug, Default)]
-pub struct Desk {
-    lies: Mutex<Lies>,
+pub struct Mailbox {
+    contents: Mutex<Contents>,
     comes: Condvar,
 }
 
-impl Desk {
-    /// Puts a wish in the place of the one that lies there. One that saves stays there beside the next ones, and comes before them.
-    pub fn put(&self, wish: Wish) {
-        let mut lies = self.lies.lock().unwrap_or_else(PoisonError::into_inner);
-        match wish.save {
+impl Mailbox {
+    /// Puts a request in the place of the older one. A request that saves stays beside later ones, and comes before them.
+    pub fn put(&self, request: Request) {
+        let mut contents = self.contents.lock().unwrap_or_else(PoisonError::into_inner);
+        match request.save {
             // An older picture would come after it, and stay.
-            Some(_) => (lies.saving, lies.wish) = (Some(wish), None),
-            None => lies.wish = Some(wish),
+            Some(_) => (contents.saving, contents.request) = (Some(request), None),
+            None => contents.request = Some(request),
         }
         self.comes.notify_all();
     }
 
-    /// Takes the next wish, and waits for it for at most this long.
+    /// Takes the next request, and waits for it for at most this long.
     pub fn take(&self, patience: Duration) -> Taken {
-        let lies = self.lies.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_empty = |lies: &mut Lies| lies.wish.is_none() && lies.saving.is_none() && !lies.is_closed;
-        let (mut lies, _) = self.comes.wait_timeout_while(lies, patience, is_empty).unwrap_or_else(PoisonError::into_inner);
-        let first = lies.saving.take();
-        match (lies.is_closed, first.or_else(|| lies.wish.take())) {
+        let contents = self.contents.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_empty = |contents: &mut Contents| contents.request.is_none() && contents.saving.is_none() && !contents.is_closed;
+        let (mut contents, _) = self.comes.wait_timeout_while(contents, patience, is_empty).unwrap_or_else(PoisonError::into_inner);
+        let first = contents.saving.take();
+        match (contents.is_closed, first.or_else(|| contents.request.take())) {
             (true, _) => Taken::Closed,
-            (false, Some(wish)) => Taken::Wish(Box::new(wish)),
+            (false, Some(request)) => Taken::Request(Box::new(request)),
             (false, None) => Taken::Nothing,
         }
     }
 
     /// Ends the work.
     pub fn close(&self) {
-        self.lies.lock().unwrap_or_else(PoisonError::into_inner).is_closed = true;
+        self.contents.lock().unwrap_or_else(PoisonError::into_inner).is_closed = true;
         self.comes.notify_all();
     }
 }
@@ -156,28 +156,28 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    fn wish(number: u64, save: Option<PathBuf>) -> Wish {
+    fn request(number: u64, save: Option<PathBuf>) -> Request {
         let project = Project::new(Path::new("linke"), Vec::new());
         let against = Against::Nothing;
-        Wish { number, project, frame: 0, pass: "compose/sum", scale: 1.0, moving: false, depth: false, against, save }
+        Request { number, project, frame: 0, pass: "compose/sum", scale: 1.0, moving: false, depth: false, against, save }
     }
 
     #[test]
     fn the_latest_wish_counts_and_what_is_to_be_saved_is_not_forgotten_for_it() {
-        let desk = Desk::default();
-        desk.put(wish(1, None));
-        desk.put(wish(2, Some("out".into())));
-        desk.put(wish(3, None));
-        desk.put(wish(4, None));
-        let next = || match desk.take(Duration::ZERO) {
-            Taken::Wish(wish) => Some(wish.number),
+        let mailbox = Mailbox::default();
+        mailbox.put(request(1, None));
+        mailbox.put(request(2, Some("out".into())));
+        mailbox.put(request(3, None));
+        mailbox.put(request(4, None));
+        let next = || match mailbox.take(Duration::ZERO) {
+            Taken::Request(request) => Some(request.number),
             Taken::Nothing | Taken::Closed => None,
         };
         assert_eq!([next(), next(), next()], [Some(2), Some(4), None]);
-        desk.put(wish(5, None));
-        desk.put(wish(6, Some("out".into())));
+        mailbox.put(request(5, None));
+        mailbox.put(request(6, Some("out".into())));
         assert_eq!([next(), next()], [Some(6), None]);
-        desk.close();
-        assert!(matches!(desk.take(Duration::from_secs(9)), Taken::Closed));
+        mailbox.close();
+        assert!(matches!(mailbox.take(Duration::from_secs(9)), Taken::Closed));
     }
 }
