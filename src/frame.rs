@@ -3,7 +3,7 @@
 use crate::config::Config;
 use crate::graph::{Graph, Image};
 use crate::stages::compose::{Composed, Light};
-use crate::stages::gather::Roulette;
+use crate::stages::gather::{Gathered, Indirect, Roulette};
 use crate::stages::gbuffer::GBuffer;
 use crate::stages::residents::Residents;
 use crate::stages::surroundings::Surroundings;
@@ -12,11 +12,15 @@ use crate::stages::{bounce, compose, deform, direct, filter, gather, gbuffer, rs
 use crate::world::{Shot, World};
 
 /// Resources that a frame makes.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Frame {
     pub gbuffer: GBuffer,
-    /// Indirect irradiance after filtering.
-    pub irradiance: Image,
+    /// Indirect light before filtering.
+    pub gathered: Gathered,
+    /// Indirect light after filtering.
+    pub indirect: Indirect,
+    /// Share of the indirect light that ambient occlusion leaves.
+    pub visible: Option<Image>,
     /// Direct light's radiance.
     pub direct: Image,
     pub composed: Composed,
@@ -33,10 +37,11 @@ pub fn frame(g: &mut Graph, world: &World, residents: &Residents, shot: &Shot, c
     let rsm = rsm::draw(g, scene, &shot.lighting.projectors, &wants, &config.rsm);
     let vpls = vpls::sample(g, &rsm, &gbuffer, &wants, &config.vpls);
     let bounces = bounce::propagate(g, scene, vpls, &wants, &config.bounce);
-    let around = Surroundings { scene, residents, traced: traced.as_ref(), view: &shot.view, gbuffer: &gbuffer, rsm: &rsm, wants: &wants };
+    let (traced, view, asked) = (traced.as_ref(), &shot.view, shot.asked);
+    let around = Surroundings { scene, residents, traced, view, gbuffer: &gbuffer, rsm: &rsm, wants: &wants, asked };
     let lights = visibility::render(g, around, &bounces, &config.visibility);
-    let indirect = gather::indirect(g, around, &lights, Roulette::of(config, shot.index), &config.gather);
-    let indirect = filter::smooth(g, &gbuffer, indirect, &config.filter);
+    let gathered = gather::indirect(g, around, &lights, Roulette::of(config, shot.index), &config.gather);
+    let indirect = filter::smooth(g, &gbuffer, gathered.light, &config.filter);
     let visible = ssao::occlusion(g, &gbuffer, &config.ssao);
     let sky_light = sky::light(g, around, &sky, bounces.len() as u32 + 1, config);
     let sky_light = filter::smooth_sky(g, &gbuffer, sky_light, &config.filter);
@@ -44,5 +49,5 @@ pub fn frame(g: &mut Graph, world: &World, residents: &Residents, shot: &Shot, c
     let direct = direct::shade(g, around, &shadow_maps, sky_light, &config.direct);
     let light = Light { direct, indirect, visible };
     let composed = compose::sum(g, &gbuffer, light, vpls.as_ref(), &sky, &config.compose);
-    Frame { gbuffer, irradiance: indirect.irradiance, direct, composed }
+    Frame { gbuffer, gathered, indirect, visible, direct, composed }
 }

@@ -26,6 +26,7 @@ pub mod color;
 pub mod commands;
 pub mod config;
 pub mod error;
+pub mod explanation;
 pub mod export;
 pub mod files;
 pub mod frame;

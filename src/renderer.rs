@@ -1,6 +1,7 @@
 //! Renderer of a scene under a config, frame by frame: shared by the commands and the tests.
 
 use crate::config::{Config, TimingMode};
+use crate::explanation::{Explanation, Wanted};
 use crate::fail;
 use crate::frame::{Frame, frame};
 use crate::gpu::{Adapter, Feature, Gpu, Options};
@@ -69,6 +70,8 @@ pub struct Rendered {
     pub non_finite: Vec<(&'static str, String, u32)>,
     /// The frame's images, if they were requested.
     pub picture: Option<Picture>,
+    /// Why the pixel is lit that was asked about.
+    pub explanation: Option<Explanation>,
 }
 
 impl Rendered {
@@ -265,8 +268,33 @@ impl Renderer {
     /// # Errors
     /// As [`Self::shoot`].
     pub fn render(&mut self, config: &Config, frame_index: u32, pictured: bool, execution: &Execution) -> Result<Rendered> {
+        self.next(config, frame_index, None, pictured, execution)
+    }
+
+    /// Renders a frame as [`Self::render`] does, and explains why a pixel is lit. The picture is the same; rays are traced from that pixel.
+    ///
+    /// # Errors
+    /// As [`Self::shoot`].
+    ///
+    /// # Panics
+    /// If the pixel is outside of the picture, or if the scene was brought without what rays need.
+    pub fn ask(&mut self, config: &Config, frame_index: u32, pixel: [u32; 2], pictured: bool, execution: &Execution) -> Result<Rendered> {
+        let size = config.frame.size;
+        assert!(pixel[0] < size[0] && pixel[1] < size[1], "pixel {pixel:?} is outside of a picture of {size:?}");
+        self.ensure(Needs { rays: true })?;
+        self.next(config, frame_index, Some(pixel), pictured, execution)
+    }
+
+    fn next(
+        &mut self,
+        config: &Config,
+        frame_index: u32,
+        asked: Option<[u32; 2]>,
+        pictured: bool,
+        execution: &Execution,
+    ) -> Result<Rendered> {
         self.ensure_for(config)?;
-        let shot = self.shot(config, frame_index)?;
+        let shot = Shot { asked, ..self.shot(config, frame_index)? };
         let mut lane = std::mem::take(&mut self.batch);
         let follows = lane.before().is_some_and(|before| before.index + 1 == frame_index);
         if !follows || self.batch_config.as_ref() != Some(config) {
@@ -284,7 +312,7 @@ impl Renderer {
     /// # Errors
     /// The device's own, with the pass; the lane is cut then.
     pub fn shoot(&mut self, lane: &mut Lane, shot: Shot, config: &Config, pictured: bool, execution: &Execution) -> Result<Rendered> {
-        self.world.set_time(&mut self.engine.gpu, shot.seconds, needs(config))?;
+        self.world.set_time(&mut self.engine.gpu, shot.seconds, needs(config).and(Needs { rays: shot.asked.is_some() }))?;
         if lane.before.take().is_none() {
             lane.pool.cut();
         }
@@ -295,12 +323,13 @@ impl Renderer {
             frame.composed.radiance,
             frame.direct,
             frame.composed.indirect,
-            frame.irradiance,
+            frame.indirect.irradiance,
             frame.gbuffer.albedo,
             frame.gbuffer.normal,
             frame.gbuffer.depth,
         ];
         let read: Vec<ReadBack> = if pictured { images.iter().map(|image| g.read_back(*image)).collect() } else { Vec::new() };
+        let wanted = shot.asked.map(|pixel| Wanted::of(&mut g, &frame, pixel));
         let outcome = self.engine.run(&mut lane.pool, &g, execution)?;
         let _span = pictured.then(|| trace::span("decoding the images"));
         let picture = match read.as_slice() {
@@ -316,6 +345,7 @@ impl Renderer {
             }
             [] => None,
         };
+        let explanation = wanted.map(|wanted| wanted.read(&outcome, &shot.view));
         lane.before = Some(shot);
         Ok(Rendered {
             times: outcome.times,
@@ -324,6 +354,7 @@ impl Renderer {
             dumps: outcome.dumps,
             non_finite: outcome.non_finite,
             picture,
+            explanation,
         })
     }
 }

@@ -16,7 +16,7 @@ layout(rgba16f) writeonly uniform image2D irradiance;
 
 const uint END = 0xffffffffu;
 
-float reflect_from(inout Pixel p, vec3 light, vec3 to_light) { return 1.0; }
+#include "gather/reflection-none.glsl"
 
 void main() {
     // Neighbouring workgroups process the sample sets of the same block of pixels.

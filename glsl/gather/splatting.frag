@@ -10,7 +10,7 @@ layout(constant_id = 1) const bool GLOSSY = false;
 layout(location = 0) flat in uint in_vpl;
 layout(location = 0) out vec4 sum;
 
-float reflect_from(inout Pixel p, vec3 light, vec3 to_light) { return 1.0; }
+#include "gather/reflection-none.glsl"
 
 void main() {
     uvec2 size = (uvec2(view.it.width, view.it.height) + block_size() - 1u) / block_size(), place = uvec2(gl_FragCoord.xy);

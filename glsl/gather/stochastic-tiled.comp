@@ -8,6 +8,7 @@
 // one sample set, split at the middle of its depth (Stewart 2015). Light lists are bits in shared memory, in the VPLs' order.
 #include "part/shadow=gather/shadow-none"
 #include "gather/stochastic.glsl"
+#include "gather/reflection-ggx.glsl"
 #include "lib/range.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in; // of 2 x 2 pixels of the set each
@@ -15,15 +16,11 @@ layout(constant_id = 3) const bool DIFFUSE = true;
 layout(constant_id = 4) const bool LOBES = false;
 layout(constant_id = 5) const bool CULL = true;
 layout(constant_id = 6) const bool STATISTICS = false;
-layout(constant_id = 7) const bool GLOSSY_RECEIVER = false;
-layout(constant_id = 8) const bool GLOSSY_DIELECTRIC = false;
 
 layout(scalar) readonly buffer Spheres { vec4 at[]; } spheres;
 layout(scalar) readonly buffer Spheroids { Spheroid at[]; } spheroids;
 layout(rgba32f) writeonly uniform image2D numbers; // VPLs on the pixel's list, and those that shine; diffuse, then lobes
 layout(rgba16f) writeonly uniform image2D irradiance;
-uniform sampler2D albedo;
-uniform sampler2D metallic_roughness;
 layout(rgba16f) writeonly uniform image2D reflection; // radiance that glossy receivers reflect to the eye
 
 // Tolerance of squared distances: the ends of ranges of alpha 0.001 lobes round to 1.6 % outside of their spheroids.
@@ -33,29 +30,6 @@ const uint WORDS = 32u; // of a list: 1024 VPLs at a time
 const uint INVOCATIONS = 64u;
 
 #include "part/seen=gather/seen-all"
-
-// Reflection of glossy receivers. The surface is fetched for each light, since most lights do not need it.
-float reflect_from(inout Pixel p, vec3 light, vec3 to_light) {
-    float left = 1.0;
-    if (GLOSSY_RECEIVER) {
-        vec3 base = texelFetch(albedo, p.at.pixel, 0).rgb;
-        vec2 mr = texelFetch(metallic_roughness, p.at.pixel, 0).rg;
-        vec3 f0 = mr.x * base;
-        float f90 = mr.x;
-        if (GLOSSY_DIELECTRIC) {
-            f0 += (1.0 - mr.x) * 0.04;
-            f90 = 1.0;
-        }
-        if (f90 > 0.0) {
-            vec3 v = normalize(view.it.position - p.at.position), h = normalize(to_light + v);
-            float nv = max(dot(p.at.normal, v), 1e-4);
-            if (GLOSSY_DIELECTRIC && mr.x < 1.0) left = 1.0 - coat_fresnel(dot(v, h));
-            p.reflected += light * lobe_fresnel(f0, f90, dot(v, h)) *
-                           ggx(max(mr.y * mr.y, 1e-3), max(dot(p.at.normal, h), 0.0), max(dot(p.at.normal, to_light), 0.0), nv);
-        }
-    }
-    return left;
-}
 
 const uint FARTHEST = 0x7f800000u; // bits of infinity
 

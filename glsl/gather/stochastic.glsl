@@ -1,7 +1,7 @@
 // Light of a VPL at a pixel by Russian roulette (Tokuyoshi and Harada 2017, section 3): shared by tiles, splats and froxels of stochastic
-// light culling. An includer has a part for "shadow", and defines
+// light culling. An includer has a part for "shadow", and includes one of gather/reflection-*.glsl, which define
 //     float reflect_from(inout Pixel p, vec3 light, vec3 to_light);
-// which adds the receiver's glossy reflection of irradiance from a direction, and returns the share that remains for diffuse reflection.
+// It adds the receiver's glossy reflection of irradiance from a direction, and returns the share that remains for diffuse reflection.
 #include "gbuffer/receiver.glsl"
 #include "lib/lobe.glsl"
 #include "lib/color.glsl"
@@ -48,13 +48,27 @@ void add(inout Pixel p, vec3 arrives, vec3 way, float squared, float inverse, fl
     p.sum += light * reflect_from(p, light, way * inverse);
 }
 
+// Irradiance of a diffuse VPL on a surface that faces it, unshadowed and before roulette.
+vec3 diffuse_irradiance(vec3 intensity, float from, float squared, float inverse) {
+    return intensity * (from * inverse / max(max(squared, params.squared_min_distance), 1e-20));
+}
+
+// Share of a diffuse VPL's light that its glossy coat leaves; `out_going` is a unit vector.
+float left_by_coat(vec3 incoming, vec3 out_going) { return 1.0 - coat_fresnel(dot(incoming, normalize(incoming + out_going))); }
+
 void shade_diffuse(inout Pixel p, vec3 position, vec3 facing, vec3 intensity, vec3 incoming, float xi, Shadow shadow, float visible) {
     vec3 way = position - p.at.position;
     float squared = dot(way, way), inverse = inversesqrt(max(squared, 1e-20));
     float from = max(-dot(facing, way), 0.0), to = max(dot(p.at.normal, way), 0.0);
-    vec3 arrives = by_chance(intensity * (from * inverse / max(max(squared, params.squared_min_distance), 1e-20)), xi, p.numbers.y);
-    if (COATED && largest(arrives) > 0.0) arrives *= 1.0 - coat_fresnel(dot(incoming, normalize(incoming - way * inverse)));
+    vec3 arrives = by_chance(diffuse_irradiance(intensity, from, squared, inverse), xi, p.numbers.y);
+    if (COATED && largest(arrives) > 0.0) arrives *= left_by_coat(incoming, -way * inverse);
     add(p, arrives, way, squared, inverse, from, to, shadow, visible);
+}
+
+// Irradiance of a glossy VPL on a surface that faces it, unshadowed and before roulette.
+vec3 lobe_irradiance(Lobe lobe, vec3 n, vec3 wi, vec3 way, float squared, float inverse) {
+    return lobe_intensity(lobe.flux, lobe.f0, lobe.f90, lobe.alpha, n, wi, way * -inverse) /
+           max(max(squared, params.squared_min_distance), 1e-20);
 }
 
 void shade_lobe(inout Pixel p, vec3 position, vec3 facing, Lobe lobe, vec3 n, vec3 wi, float xi, Shadow shadow, float visible) {
@@ -62,8 +76,7 @@ void shade_lobe(inout Pixel p, vec3 position, vec3 facing, Lobe lobe, vec3 n, ve
     float squared = dot(way, way), inverse = inversesqrt(max(squared, 1e-20));
     float from = -dot(facing, way), to = max(dot(p.at.normal, way), 0.0);
     if (from <= 0.0) return;
-    vec3 intensity = lobe_intensity(lobe.flux, lobe.f0, lobe.f90, lobe.alpha, n, wi, way * -inverse);
-    vec3 arrives = by_chance(intensity / max(max(squared, params.squared_min_distance), 1e-20), xi, p.numbers.w);
+    vec3 arrives = by_chance(lobe_irradiance(lobe, n, wi, way, squared, inverse), xi, p.numbers.w);
     add(p, arrives, way, squared, inverse, from, to, shadow, visible);
 }
 

@@ -1,3 +1,5 @@
+#ifndef RECEIVER_GLSL
+#define RECEIVER_GLSL
 // The surface at a pixel, as a receiver of light.
 #include "lib/packing.glsl"
 #include "lib/view.glsl"
@@ -28,3 +30,4 @@ Receiver receiver(ivec2 pixel) {
     }
     return r;
 }
+#endif

@@ -10,11 +10,12 @@ use crate::fail;
 use crate::files::prepare_folder;
 use crate::gpu::DeviceChoice;
 use crate::graph::{self, DumpData, Reuse};
-use crate::reference::{Settings, Tracer, develop};
+use crate::reference::{Settings, Sum, Sums, Tracer, develop};
 use crate::renderer::{Lane, Renderer};
-use crate::window::{self, Against, Mailbox, Message, Other, Project, Request, Shown, Taken};
+use crate::window::{self, Against, Mailbox, Message, Other, Project, Request, Shown, Taken, Truth};
 use crate::world::Needs;
 use anyhow::Result;
+use glam::Vec3;
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -92,6 +93,8 @@ struct Tracing {
     settings: Settings,
     /// Number of the request that it is for.
     number: u64,
+    /// The pixel that is asked about.
+    asked: Option<[u32; 2]>,
     told: Option<Instant>,
 }
 
@@ -123,22 +126,23 @@ impl Stage {
     }
 
     /// Begins to trace paths for a frame, unless it is the one that is traced already.
-    fn follow(&mut self, config: &Config, frame_index: u32, bounces: u32, number: u64) -> Result<()> {
-        let settings = Settings { bounces, frame_index, min_distance: 0.0, centered: false };
+    fn follow(&mut self, config: &Config, request: &Request, bounces: u32) -> Result<()> {
+        let settings = Settings { bounces, frame_index: request.frame, min_distance: 0.0, centered: false };
+        let (number, asked) = (request.number, request.asked);
         // Methods make no difference to the truth.
         let Config { scene, camera, light, frame, materials, sky, compose, .. } = config.clone();
         let truth = Config { scene, camera, light, frame, materials, sky, compose, ..Config::default() };
         if let Some(tracing) = &mut self.tracing
             && (&tracing.config, tracing.settings) == (&truth, settings)
         {
-            (tracing.number, tracing.told) = (number, None);
+            (tracing.number, tracing.asked, tracing.told) = (number, asked, None);
             return Ok(());
         }
         self.stop_tracing();
         self.renderer.ensure(Needs { rays: true })?;
         let mut tracer = Tracer::new(&mut self.renderer, &truth, settings, None)?;
         tracer.prepare(&mut self.renderer)?;
-        self.tracing = Some(Tracing { tracer, config: truth, settings, number, told: None });
+        self.tracing = Some(Tracing { tracer, config: truth, settings, number, asked, told: None });
         Ok(())
     }
 
@@ -146,6 +150,24 @@ impl Stage {
         if let Some(tracing) = self.tracing.take() {
             tracing.tracer.free(&mut self.renderer);
         }
+    }
+}
+
+/// What the reference has at a pixel.
+fn truth_at(sums: &Sums, pixel: [u32; 2]) -> Truth {
+    let at = pixel[1] as usize * sums.size[0] as usize + pixel[0] as usize;
+    let color = |layer: Sum| {
+        let [r, g, b, _] = sums.mean_at(layer, at);
+        Vec3::new(r, g, b)
+    };
+    Truth {
+        pixel,
+        samples: sums.samples,
+        radiance: color(Sum::Radiance),
+        error: Vec3::from(sums.variance_at(at)).map(f32::sqrt),
+        direct: color(Sum::Direct),
+        bounces: (1..=sums.bounces).map(|bounce| color(Sum::Bounce(bounce))).collect(),
+        irradiance: color(Sum::Irradiance),
     }
 }
 
@@ -216,7 +238,8 @@ impl RenderThread {
                 tracing.told = Some(Instant::now());
                 let name = format!("path tracer, {} paths a pixel", sums.samples);
                 let other = Other { name, size: sums.size, image: develop(&sums, &tracing.config.compose) };
-                (self.tell)(Message::Reference(tracing.number, other));
+                let truth = tracing.asked.map(|pixel| truth_at(&sums, pixel));
+                (self.tell)(Message::Reference(tracing.number, other, truth));
                 Ok(())
             }
             Err(error) if exit_code(&error) == Exit::DeviceLost => {
@@ -304,7 +327,12 @@ impl RenderThread {
         let number = stage.number.wrapping_mul(1 << 20).wrapping_add(u64::from(request.frame));
         execution.reuse = if request.moving { Reuse::Apply(number) } else { Reuse::Remember(number) };
         execution.dump = [Some(pass), request.depth.then_some(window::DEPTH.0)].into_iter().flatten().map(str::to_owned).collect();
-        let rendered = stage.renderer.render(&config, request.frame, request.save.is_some(), &execution)?;
+        let pictured = request.save.is_some();
+        let inside = |pixel: &[u32; 2]| pixel[0] < config.frame.size[0] && pixel[1] < config.frame.size[1];
+        let rendered = match request.asked.filter(inside) {
+            Some(pixel) => stage.renderer.ask(&config, request.frame, pixel, pictured, &execution)?,
+            None => stage.renderer.render(&config, request.frame, pictured, &execution)?,
+        };
         let other = match &request.against {
             Against::Nothing => None,
             Against::Project(project) => match stage.other(project, &request) {
@@ -316,7 +344,7 @@ impl RenderThread {
                 None
             }
             Against::Reference { bounces } => {
-                stage.follow(&config, request.frame, *bounces, request.number)?;
+                stage.follow(&config, &request, *bounces)?;
                 None
             }
         };
@@ -342,6 +370,7 @@ impl RenderThread {
             counts: rendered.counts,
             memory: rendered.memory,
             dumps: rendered.dumps,
+            explanation: rendered.explanation,
             other,
             outputs: stage.outputs.clone(),
             warnings,

@@ -72,16 +72,36 @@ impl Sums {
 
     /// Sums of a layer.
     pub fn layer(&self, layer: Sum) -> Vec<[f64; 4]> {
-        let (at, rest_at) = (layer.index(), layer.index() + Sum::count(self.bounces) as usize);
-        let plane = |at: usize| &self.texels[at * self.pixels()..][..self.pixels()];
-        let both = |(sum, rest): (&[f32; 4], &[f32; 4])| std::array::from_fn(|i| f64::from(sum[i]) + f64::from(rest[i]));
-        plane(at).iter().zip(plane(rest_at)).map(both).collect()
+        (0..self.pixels()).map(|pixel| self.layer_at(layer, pixel)).collect()
     }
 
     /// Means of a layer.
     pub fn mean(&self, layer: Sum) -> Vec<[f32; 4]> {
-        let n = f64::from(self.samples.max(1));
-        self.layer(layer).into_iter().map(|texel| texel.map(|sum| (sum / n) as f32)).collect()
+        (0..self.pixels()).map(|pixel| self.mean_at(layer, pixel)).collect()
+    }
+
+    /// Sums of a layer at a pixel by its index.
+    fn layer_at(&self, layer: Sum, pixel: usize) -> [f64; 4] {
+        let (at, rest_at) = (layer.index(), layer.index() + Sum::count(self.bounces) as usize);
+        let [sum, rest] = [at, rest_at].map(|at| self.texels[at * self.pixels() + pixel]);
+        std::array::from_fn(|i| f64::from(sum[i]) + f64::from(rest[i]))
+    }
+
+    /// Mean of a layer at a pixel by its index.
+    pub fn mean_at(&self, layer: Sum, pixel: usize) -> [f32; 4] {
+        self.layer_at(layer, pixel).map(|sum| (sum / f64::from(self.samples.max(1))) as f32)
+    }
+
+    /// Variance of the mean radiance at a pixel by its index; infinite for fewer than two paths.
+    pub fn variance_at(&self, pixel: usize) -> [f32; 3] {
+        let [r, g, b, _] = self.layer_at(Sum::Spread, pixel);
+        [r, g, b].map(|spread| self.variance_of(spread))
+    }
+
+    /// Variance of the mean, given the sum of squared differences from it.
+    fn variance_of(&self, spread: f64) -> f32 {
+        let n = f64::from(self.samples);
+        if self.samples > 1 { (spread.max(0.0) / (n * (n - 1.0))) as f32 } else { f32::INFINITY }
     }
 
     /// Mean indirect light: all bounces.
@@ -97,9 +117,7 @@ impl Sums {
 
     /// Variance of the mean radiance; infinite for fewer than two paths, which give no estimate.
     pub fn variance(&self) -> Vec<[f32; 3]> {
-        let n = f64::from(self.samples);
-        let of = |spread: f64| if self.samples > 1 { (spread.max(0.0) / (n * (n - 1.0))) as f32 } else { f32::INFINITY };
-        self.layer(Sum::Spread).iter().map(|texel| [of(texel[0]), of(texel[1]), of(texel[2])]).collect()
+        self.layer(Sum::Spread).iter().map(|texel| [texel[0], texel[1], texel[2]].map(|spread| self.variance_of(spread))).collect()
     }
 
     /// Relative error for `--target-error`: root mean square of the standard error over pixels and channels, over the mean radiance.

@@ -19,4 +19,6 @@ pub struct Surroundings<'f> {
     pub gbuffer: &'f GBuffer,
     pub rsm: &'f Rsm,
     pub wants: &'f Wants,
+    /// The pixel that is asked why it is lit; rays are brought then.
+    pub asked: Option<[u32; 2]>,
 }

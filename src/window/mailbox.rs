@@ -2,9 +2,11 @@
 
 use super::project::Project;
 use crate::config::Config;
+use crate::explanation::Explanation;
 use crate::graph::Dump;
 use crate::scene::{Aabb, Camera};
 use crate::world::projection::View;
+use glam::Vec3;
 use std::path::PathBuf;
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
@@ -24,6 +26,8 @@ pub struct Request {
     pub moving: bool,
     /// Whether the depth of the surfaces in sight is wanted, too.
     pub depth: bool,
+    /// The pixel that is asked why it is lit.
+    pub asked: Option<[u32; 2]>,
     /// What the picture is compared with.
     pub against: Against,
     /// Folder to write the picture and its layers to, as `render` does.
@@ -53,6 +57,22 @@ pub struct Other {
     pub image: Vec<u8>,
 }
 
+/// The reference at a pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Truth {
+    pub pixel: [u32; 2],
+    /// Paths a pixel.
+    pub samples: u32,
+    /// Radiance, W/(m^2 sr), and the standard error of its mean.
+    pub radiance: Vec3,
+    pub error: Vec3,
+    pub direct: Vec3,
+    /// Radiance of each bounce, from the first.
+    pub bounces: Vec<Vec3>,
+    /// Indirect irradiance, W/m^2, of surfaces that reflect diffusely.
+    pub irradiance: Vec3,
+}
+
 /// A frame that was rendered for a [`Request`].
 #[derive(Debug)]
 pub struct Shown {
@@ -71,6 +91,8 @@ pub struct Shown {
     /// Bytes of each resource of the frame.
     pub memory: Vec<(String, u64)>,
     pub dumps: Vec<Dump>,
+    /// Why the pixel is lit that was asked about.
+    pub explanation: Option<Explanation>,
     /// The picture of [`Against::Project`], or why there is none.
     pub other: Option<Result<Other, String>>,
     /// Passes of the frame, with the images that each writes.
@@ -86,8 +108,8 @@ pub enum Message {
     /// It does something that takes a while.
     Doing(&'static str),
     Frame(Box<Shown>),
-    /// The path tracer's picture so far, for the request of this number.
-    Reference(u64, Other),
+    /// The path tracer's picture so far, for the request of this number, and what it has at the pixel that is asked about.
+    Reference(u64, Other, Option<Truth>),
     /// Picture and layers were written to this folder.
     Saved(PathBuf),
     /// A request could not be fulfilled, in one sentence. The last frame stays.
@@ -159,7 +181,7 @@ mod tests {
     fn request(number: u64, save: Option<PathBuf>) -> Request {
         let project = Project::new(Path::new("linke"), Vec::new());
         let against = Against::Nothing;
-        Request { number, project, frame: 0, pass: "compose/sum", scale: 1.0, moving: false, depth: false, against, save }
+        Request { number, project, frame: 0, pass: "compose/sum", scale: 1.0, moving: false, depth: false, asked: None, against, save }
     }
 
     #[test]

@@ -15,7 +15,7 @@ mod painter;
 mod panels;
 mod project;
 
-pub use mailbox::{Against, Mailbox, Message, Other, Request, Shown, Taken};
+pub use mailbox::{Against, Mailbox, Message, Other, Request, Shown, Taken, Truth};
 pub use project::Project;
 
 use crate::fail;

@@ -18,6 +18,8 @@ pub struct Shot {
     pub seconds: f64,
     pub view: View,
     pub lighting: Lighting,
+    /// The pixel that is asked why it is lit.
+    pub asked: Option<[u32; 2]>,
 }
 
 /// Lighting of a frame.
@@ -41,6 +43,7 @@ impl Shot {
             seconds: view::seconds(config, index),
             view: world.view(config, index)?,
             lighting: Lighting::of(config, world, adapter, index)?,
+            asked: None,
         })
     }
 }

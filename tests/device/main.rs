@@ -9,6 +9,7 @@ mod common;
 mod culling;
 mod direct;
 mod double_projection;
+mod explain;
 mod files;
 mod filter;
 mod flicker;

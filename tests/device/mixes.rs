@@ -1,8 +1,10 @@
 //! Presets take each other's parts: a mix renders, or is refused with a reason.
 
 use crate::common::*;
-use manylight::config::{CameraConfig, Config, Kind, keys};
+use glam::Vec3;
+use manylight::config::{CameraConfig, Config, GatherMethod, Kind, keys};
 use manylight::graph::{Execution, Reuse};
+use manylight::output::Picture;
 use manylight::renderer::Renderer;
 use std::path::PathBuf;
 
@@ -55,6 +57,35 @@ fn kept_by_a_moved_camera(renderer: &mut Renderer, config: &Config, number: u64,
     Ok(whole.times.len() - kept.times.len())
 }
 
+/// Asks why pixels are lit. The picture must stay as it is, and the VPLs' shares must sum to the gather's light.
+fn explains_a_pixel(renderer: &mut Renderer, config: &Config, expected: &Picture, mix: &str) -> anyhow::Result<()> {
+    for pixel in [[11, 21], [30, 9]] {
+        let rendered = renderer.ask(config, 0, pixel, true, &Execution::default())?;
+        assert!(rendered.picture.unwrap().image == expected.image, "{mix}: a question changes the picture");
+        let asked = rendered.explanation.unwrap();
+        assert!(!asked.bounces.is_empty() && asked.bounces.iter().all(|bounce| !bounce.is_empty()), "{mix}: there are no VPLs");
+        let sums = asked.sums();
+        if config.gather.method == GatherMethod::LightCaches {
+            assert_eq!(sums.light.max_element(), 0.0, "{mix}: light caches sum elsewhere");
+            continue;
+        }
+        // Every bounce's sum rounds to 16-bit floats.
+        let off = (sums.light - asked.gathered).abs().max_element();
+        assert!(
+            off <= 3e-3 * asked.gathered.max_element() + 1e-5,
+            "{mix}: pixel {pixel:?} has {}, its VPLs {}",
+            asked.gathered,
+            sums.light
+        );
+        if let Some([before, _]) = asked.reflection {
+            let reflected: Vec3 = asked.bounces.iter().flatten().map(|share| Vec3::from(share.reflected)).sum();
+            let off = (reflected - before).abs().max_element();
+            assert!(off <= 3e-3 * before.max_element() + 1e-5, "{mix}: pixel {pixel:?} reflects {before}, its VPLs {reflected}");
+        }
+    }
+    Ok(())
+}
+
 #[test]
 fn sixty_random_mixes_of_all_methods_render_or_are_refused_with_a_reason() {
     let names: Vec<(&str, Vec<&str>)> = keys()
@@ -88,6 +119,7 @@ fn sixty_random_mixes_of_all_methods_render_or_are_refused_with_a_reason() {
             let light: f32 = picture.radiance.rgb().map(|light| light.element_sum()).sum();
             assert!(light.is_finite() && light > 0.0, "{mix}: the picture has {light}");
             kept += kept_by_a_moved_camera(&mut renderer, config, number as u64, &mix)?;
+            explains_a_pixel(&mut renderer, config, &picture, &mix)?;
             Ok(())
         };
         match manylight::config::load(preset, &sets).and_then(|loaded| tried(&loaded.config)) {

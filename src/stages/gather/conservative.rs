@@ -1,9 +1,9 @@
 //! Conservative clusters, a rival of tiled stochastic light culling (Tokuyoshi and Harada 2017, table 2): the same VPLs, ranges and sums,
 //! with light lists of froxels that the hulls of the VPLs' ranges are rasterized into.
 
-use super::Indirect;
 use super::shells::Shell;
 use super::stochastic::{Ranges, Roulette, StochasticParams, bounds, is_coated, ranges, statistics};
+use super::{Indirect, Visibility, explain};
 use crate::config::{GatherConfig, Rasterization};
 use crate::gpu::Format;
 use crate::graph::Graph;
@@ -39,7 +39,8 @@ pub(super) fn conservative_clusters(
     config: &GatherConfig,
 ) -> Indirect {
     let (gbuffer, shells, interleave) = (around.gbuffer, around.residents.shells(), around.wants.interleave);
-    let Ranges { spheres, spheroids, chances, lobes } = ranges(g, gbuffer, vpls, roulette, config);
+    let ranges = ranges(g, gbuffer, vpls, roulette, config);
+    let Ranges { spheres, spheroids, chances, lobes } = ranges;
     let tiles = interleave.pixels_of_set(gbuffer.size).map(|side| side.div_ceil(TILE));
     let in_set = tiles[0] * tiles[1];
     let touched = g.image("gather/touched", Format::R32Float, interleave.of_all_sets(tiles));
@@ -105,5 +106,6 @@ pub(super) fn conservative_clusters(
     if config.stochastic.statistics {
         statistics(g, gbuffer, numbers);
     }
-    Indirect { irradiance, reflection: None, pattern: interleave }
+    let shares = explain::roulette_shares(g, around, vpls, Visibility::None, &ranges, config);
+    Indirect { irradiance, reflection: None, pattern: interleave, shares }
 }

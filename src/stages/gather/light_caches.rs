@@ -11,8 +11,8 @@
 use super::super::interleave::Interleave;
 use super::super::surroundings::Surroundings;
 use super::super::vpls::Vpls;
-use super::Indirect;
 use super::caches::FrameCaches;
+use super::{Indirect, explain};
 use crate::config::{
     Before, CacheOcclusion, Dielectric, LightCachesConfig, NeighbourWeights, OccluderSides, Occluders, ProxyBound, ProxyRadius,
     ProxyWeights, Receiver,
@@ -147,7 +147,8 @@ pub(super) fn gathered(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, con
         view(g, around, [places, proxies], seen, config);
     }
     let lights = vertices(g, around, &caches, [places, proxies], seen, sides, config);
-    pixels(g, around, &caches, lights, sides, config)
+    let light = pixels(g, around, &caches, lights, sides, config);
+    Indirect { shares: explain::disk_lights(g, around, vpls), ..light }
 }
 
 /// Draws the caches as disks, and their diffuse proxy lights over the surfaces.
@@ -235,7 +236,7 @@ fn pixels(
             .color("reflection", reflection, [0.0, 0.0, 0.0, 1.0]),
     };
     pass.depth(depth).draw(lists);
-    Indirect { irradiance, reflection, pattern: Interleave::of(1.into()) }
+    Indirect { irradiance, reflection, pattern: Interleave::of(1.into()), shares: None }
 }
 
 /// Caches as they stand in the world.

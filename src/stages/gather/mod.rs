@@ -2,6 +2,7 @@
 
 pub mod caches;
 mod conservative;
+mod explain;
 pub mod light_caches;
 mod limits;
 pub mod shells;
@@ -9,6 +10,7 @@ mod splatting;
 mod statistics;
 mod stochastic;
 
+pub use explain::VplShare;
 pub use limits::{MOST_TURNS, check, choices, methods, needs_rays, warnings, warnings_of_frame};
 pub use statistics::means;
 pub use stochastic::Roulette;
@@ -66,6 +68,16 @@ pub struct Indirect {
     pub reflection: Option<Image>,
     /// Interleaving pattern of both images, for the filter to remove.
     pub pattern: Interleave,
+    /// [`VplShare`]s of the pixel that is asked about; `None` of sums of several bounces, and if there is no such pixel.
+    pub shares: Option<Buffer>,
+}
+
+/// Indirect light of all bounces.
+#[derive(Debug, Clone)]
+pub struct Gathered {
+    pub light: Indirect,
+    /// [`VplShare`]s of the pixel that is asked about, a buffer a bounce; none if there is no such pixel.
+    pub shares: Vec<Buffer>,
 }
 
 /// Indirect light of all bounces' VPLs, by the config's method.
@@ -75,7 +87,7 @@ pub fn indirect(
     lights: &[(Vpls, Visibility)],
     roulette: Roulette,
     config: &GatherConfig,
-) -> Indirect {
+) -> Gathered {
     match (config.method, config.stochastic.culling) {
         (GatherMethod::LightCaches, _) => {
             sum_of(g, around, lights, |g, vpls, _| light_caches::gathered(g, around, vpls, &config.light_caches))
@@ -99,16 +111,17 @@ fn sum_of(
     around: Surroundings<'_>,
     lights: &[(Vpls, Visibility)],
     one: impl Fn(&mut Graph, &Vpls, Visibility) -> Indirect,
-) -> Indirect {
+) -> Gathered {
     if lights.is_empty() {
-        return dark(g, around);
+        return Gathered { light: dark(g, around), shares: Vec::new() };
     }
     let images: Vec<Indirect> =
         lights.iter().zip(1..).map(|((vpls, visibility), time)| g.again(time, |g| one(g, vpls, *visibility))).collect();
     let irradiance =
         total(g, ["gather/add", "gather/sum"], images.iter().map(|light| light.irradiance)).expect("there is a bounce at least");
     let reflection = total(g, ["gather/add-reflection", "gather/reflection-sum"], images.iter().filter_map(|light| light.reflection));
-    Indirect { irradiance, reflection, pattern: images[0].pattern }
+    let light = Indirect { irradiance, reflection, pattern: images[0].pattern, shares: None };
+    Gathered { light, shares: images.iter().filter_map(|light| light.shares).collect() }
 }
 
 /// No light at all.
@@ -119,7 +132,7 @@ fn dark(g: &mut Graph, around: Surroundings<'_>) -> Indirect {
         .writes("irradiance", irradiance)
         .params(&AddParams { size: size.map(|n| n as i32) })
         .dispatch([size[0], size[1], 1]);
-    Indirect { irradiance, reflection: None, pattern: Interleave::of(1.into()) }
+    Indirect { irradiance, reflection: None, pattern: Interleave::of(1.into()), shares: None }
 }
 
 /// Sum of images, or `None` of none; `names` are the pass's and the image's.
@@ -171,13 +184,14 @@ fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: V
         .constant("BLOCK_DOWN", interleave.down())
         .params(&PerPixelParams { count: vpls.count, squared_min_distance: config.min_distance * config.min_distance })
         .dispatch_groups([groups[0], groups[1], 1]);
-    Indirect { irradiance, reflection: None, pattern: interleave }
+    let shares = explain::vpl_shares(g, around, vpls, visibility, config);
+    Indirect { irradiance, reflection: None, pattern: interleave, shares }
 }
 
 /// Begins a pass that looks up imperfect shadow maps.
 pub(super) fn in_maps<'g>(g: &'g mut Graph, name: &'static str, ism: Ism) -> ComputePass<'g> {
     let block = IsmBlock { far: ism.far, bias: ism.bias, size: ism.size as i32, columns: ism.columns };
-    let block = g.upload("gather/ism", &[block]);
+    let block = g.upload(&format!("{name}-ism"), &[block]);
     g.compute(name).reads("ism", block).reads("maps", ism.maps).constant("BILINEAR", ism.lookup == Lookup::Bilinear)
 }
 
@@ -191,7 +205,7 @@ fn shadowed<'g>(g: &'g mut Graph, name: &'static str, visibility: Visibility) ->
             in_maps(g, name, ism).part("shadow", "gather/shadow-shared-ism").reads("labels", labels).reads("proxies", proxies)
         }
         Visibility::Clusters { clusters, bias, lookup } => {
-            let block = g.upload("gather/clusters-of-vpls", &[ClustersBlock { far: clusters.far, bias, size: clusters.size as i32 }]);
+            let block = g.upload(&format!("{name}-clusters"), &[ClustersBlock { far: clusters.far, bias, size: clusters.size as i32 }]);
             g.compute(name)
                 .part("shadow", "gather/shadow-clusters")
                 .reads("maps_of", block)

@@ -1,9 +1,9 @@
 //! Splatting, a rival of tiled stochastic light culling (Tokuyoshi and Harada 2017, table 2): the same VPLs, ranges and sums, by
 //! rasterizing the hull of every VPL's range over the picture.
 
-use super::Indirect;
 use super::shells::Shell;
 use super::stochastic::{Ranges, Roulette, StochasticParams, bounds, is_coated, ranges};
+use super::{Indirect, Visibility, explain};
 use crate::config::GatherConfig;
 use crate::gpu::Format;
 use crate::graph::Graph;
@@ -20,7 +20,8 @@ shader_struct! {
 /// Rasterizes every VPL's hull of 80 triangles and blends its light into the pixels covered (Dachsbacher and Stamminger 2006).
 pub(super) fn splatting(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, roulette: Roulette, config: &GatherConfig) -> Indirect {
     let (gbuffer, shells, interleave) = (around.gbuffer, around.residents.shells(), around.wants.interleave);
-    let Ranges { spheres, spheroids, chances, lobes } = ranges(g, gbuffer, vpls, roulette, config);
+    let ranges = ranges(g, gbuffer, vpls, roulette, config);
+    let Ranges { spheres, spheroids, chances, lobes } = ranges;
     let sorted = g.image("gather/sorted", Format::Rgba32Float, interleave.of_all_sets(interleave.pixels_of_set(gbuffer.size)));
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
     let lists = bounds(g, shells, vpls, Shell::Eighty, true);
@@ -47,5 +48,6 @@ pub(super) fn splatting(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, ro
         .constant("BLOCK_DOWN", interleave.down())
         .params(&ReorderParams { size: gbuffer.size.map(|side| side as i32) })
         .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
-    Indirect { irradiance, reflection: None, pattern: interleave }
+    let shares = explain::roulette_shares(g, around, vpls, Visibility::None, &ranges, config);
+    Indirect { irradiance, reflection: None, pattern: interleave, shares }
 }

@@ -2,7 +2,7 @@
 //! without bias.
 
 use super::shells::{FrameShells, Shell};
-use super::{Indirect, Visibility, shadowed};
+use super::{Indirect, Visibility, explain, shadowed};
 use crate::config::{Bounds, Config, Dielectric, GatherConfig, Receiver, RouletteChoice};
 use crate::gpu::Format;
 use crate::graph::{Buffer, DrawList, Graph, Image};
@@ -61,6 +61,7 @@ impl Roulette {
 const TILE: u32 = 16;
 
 /// Stochastic ranges of the VPLs.
+#[derive(Clone, Copy)]
 pub(super) struct Ranges {
     /// Ranges of diffuse VPLs, in view space: centre and radius.
     pub spheres: Buffer,
@@ -165,7 +166,8 @@ pub(super) fn tiled(
     if config.stochastic.statistics {
         statistics(g, gbuffer, numbers);
     }
-    Indirect { irradiance, reflection: reflects.then_some(reflection), pattern: interleave }
+    let shares = explain::roulette_shares(g, around, vpls, visibility, &ranges, config);
+    Indirect { irradiance, reflection: reflects.then_some(reflection), pattern: interleave, shares }
 }
 
 /// Draws the length of pixels' light lists and their false discovery rate (figures 9 and 10). Counts `gather/pixels`, and pairs of pixel

@@ -142,7 +142,7 @@ fn gather(
         // A direction is a disk of 4 pi / n sr. Half its angular radius spreads a mirror's half vectors.
         .params(&GatherParams { count: vpls.count, least_alpha: 1.0 / f64::from(vpls.count).sqrt() as f32 })
         .dispatch_groups([across, down, 1]);
-    Indirect { irradiance, reflection, pattern: interleave }
+    Indirect { irradiance, reflection, pattern: interleave, shares: None }
 }
 
 /// A shadow ray from every pixel in every direction of its sample set: a bit each, as [`visibility::Visibility::Bits`].

@@ -2,6 +2,7 @@
 
 mod compare;
 mod keys;
+mod light;
 mod passes;
 mod picture;
 mod status;
@@ -11,6 +12,7 @@ mod times;
 mod top;
 
 use self::compare::Compare;
+use self::light::Question;
 use super::flight::Flight;
 use super::look::{Look, Texels};
 use super::mailbox::{Message, Request, Shown};
@@ -32,6 +34,7 @@ const REST: Duration = Duration::from_millis(150);
 enum Tab {
     Passes,
     Compare,
+    Light,
     Times,
     Warnings,
 }
@@ -67,6 +70,7 @@ pub struct Panels {
     times: VecDeque<Vec<(&'static str, f64)>>,
 
     compare: Compare,
+    question: Question,
     doing: Option<(&'static str, Instant)>,
     failed: Option<String>,
     said: Option<String>,
@@ -101,6 +105,7 @@ impl Panels {
             is_stale: false,
             times: VecDeque::new(),
             compare: Compare::default(),
+            question: Question::default(),
             doing: None,
             failed: None,
             said: None,
@@ -138,9 +143,10 @@ impl Panels {
                 let saved = self.said.take().map_or_else(String::new, |said| format!(" ({said})"));
                 (self.doing, self.failed, self.has_ended, self.is_playing) = (None, Some(format!("{why}{saved}")), true, false);
             }
-            Message::Reference(number, other) => {
+            Message::Reference(number, other, truth) => {
                 if self.asked.as_ref().is_some_and(|asked| asked.number == number) {
                     self.compare.take(other, context);
+                    self.question.take(truth);
                 }
             }
             Message::Frame(shown) => self.take_frame(shown, context),
@@ -195,12 +201,13 @@ impl Panels {
         egui::Panel::top("top").show(ui, |ui| self.top(ui));
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
         egui::Panel::left("keys").default_size(370.0).size_range(260.0..=600.0).show(ui, |ui| self.keys(ui));
-        egui::Panel::right("passes").default_size(330.0).size_range(240.0..=600.0).show(ui, |ui| {
+        egui::Panel::right("passes").default_size(400.0).size_range(240.0..=600.0).show(ui, |ui| {
             ui.horizontal(|ui| {
                 let count = self.shown.as_ref().map_or(0, |shown| shown.warnings.len());
                 let warnings = if count == 0 { "Warnings".to_owned() } else { format!("Warnings ({count})") };
                 ui.selectable_value(&mut self.tab, Tab::Passes, "Passes");
                 ui.selectable_value(&mut self.tab, Tab::Compare, "Compare");
+                ui.selectable_value(&mut self.tab, Tab::Light, "Light").on_hover_text("Why is this pixel lit?");
                 ui.selectable_value(&mut self.tab, Tab::Times, "Times");
                 ui.selectable_value(&mut self.tab, Tab::Warnings, warnings);
             });
@@ -208,6 +215,7 @@ impl Panels {
             match self.tab {
                 Tab::Passes => self.passes(ui),
                 Tab::Compare => self.compare(ui),
+                Tab::Light => self.light(ui),
                 Tab::Times => self.times(ui),
                 Tab::Warnings => self.warnings(ui),
             }
@@ -241,6 +249,7 @@ impl Panels {
             scale: if moving { self.pace.scale() } else { 1.0 },
             moving,
             depth: self.aim.is_some(),
+            asked: self.asked_pixel().filter(|_| !moving),
             against: self.compare.against(self),
             save,
         };

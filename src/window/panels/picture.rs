@@ -1,6 +1,6 @@
 //! The picture: shown, flown through, and read pixel by pixel.
 
-use super::Panels;
+use super::{Panels, Tab};
 use crate::window::flight::Push;
 use egui::{Color32, Event, Key, PointerButton, Pos2, Rect, Sense, Ui, Vec2};
 use glam::Vec2 as Angles;
@@ -48,19 +48,22 @@ impl Panels {
             }
         }
 
+        self.lines(&painter, place);
         let pixel = |at: Pos2| {
             let share = (at - place.min) / place.size();
             let inside = share.min_elem() >= 0.0 && share.max_elem() < 1.0;
             inside.then_some([(share.x * width as f32) as u32, (share.y * height as f32) as u32])
         };
         self.under_cursor = response.hover_pos().and_then(pixel);
-        let pressed = response.interact_pointer_pos().filter(|_| response.drag_started_by(PointerButton::Secondary)).and_then(pixel);
-        if let Some(place) = pressed {
-            // Depth is of the picture, whatever image is shown.
-            if let Some(shown) = &self.shown {
-                let view = [shown.view.width, shown.view.height];
-                let place = [place[0] * view[0] / width.max(1), place[1] * view[1] / height.max(1)];
-                self.aim = Some(place);
+        let pointed = response.interact_pointer_pos().and_then(pixel);
+        if let (Some(place), Some(shown)) = (pointed, &self.shown) {
+            // A pixel of the whole picture, whatever image is shown.
+            let of = |side: [u32; 2]| [place[0] * side[0] / width.max(1), place[1] * side[1] / height.max(1)];
+            if response.drag_started_by(PointerButton::Secondary) {
+                self.aim = Some(of([shown.view.width, shown.view.height]));
+            }
+            if response.clicked_by(PointerButton::Primary) && self.tab == Tab::Light {
+                self.question.pixel = Some(of([shown.view.width, shown.view.height].map(|side| (side as f32 / at_rest).round() as u32)));
             }
         }
         self.navigate(ui, &response, area);

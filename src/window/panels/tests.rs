@@ -28,6 +28,7 @@ fn shown(request: Request) -> Box<Shown> {
         counts: vec![("vpls/lit".to_owned(), 7)],
         memory: vec![("gbuffer/depth".to_owned(), 64)],
         dumps: vec![Dump { pass: PICTURE.0, resource: PICTURE.1.to_owned(), data }],
+        explanation: None,
         other: None,
         outputs: vec![(DEPTH.0, vec![DEPTH.1.to_owned()]), (PICTURE.0, vec![PICTURE.1.to_owned()])],
         warnings: vec!["something is not used".to_owned()],
