@@ -7,6 +7,8 @@ use crate::stages::gather::{Gathered, Indirect, Roulette};
 use crate::stages::gbuffer::GBuffer;
 use crate::stages::residents::Residents;
 use crate::stages::surroundings::Surroundings;
+use crate::stages::visibility::Visibility;
+use crate::stages::vpls::Vpls;
 use crate::stages::wants::Wants;
 use crate::stages::{bounce, compose, deform, direct, filter, gather, gbuffer, rsm, sky, ssao, visibility, vpls};
 use crate::world::{Shot, World};
@@ -15,6 +17,8 @@ use crate::world::{Shot, World};
 #[derive(Debug, Clone)]
 pub struct Frame {
     pub gbuffer: GBuffer,
+    /// VPLs of each bounce, with their visibility.
+    pub lights: Vec<(Vpls, Visibility)>,
     /// Indirect light before filtering.
     pub gathered: Gathered,
     /// Indirect light after filtering.
@@ -37,7 +41,7 @@ pub fn frame(g: &mut Graph, world: &World, residents: &Residents, shot: &Shot, c
     let rsm = rsm::draw(g, scene, &shot.lighting.projectors, &wants, &config.rsm);
     let vpls = vpls::sample(g, &rsm, &gbuffer, &wants, &config.vpls);
     let bounces = bounce::propagate(g, scene, vpls, &wants, &config.bounce);
-    let (traced, view, asked) = (traced.as_ref(), &shot.view, shot.asked);
+    let (traced, view, asked) = (traced.as_ref(), &shot.view, shot.inspection.pixel);
     let around = Surroundings { scene, residents, traced, view, gbuffer: &gbuffer, rsm: &rsm, wants: &wants, asked };
     let lights = visibility::render(g, around, &bounces, &config.visibility);
     let gathered = gather::indirect(g, around, &lights, Roulette::of(config, shot.index), &config.gather);
@@ -49,5 +53,5 @@ pub fn frame(g: &mut Graph, world: &World, residents: &Residents, shot: &Shot, c
     let direct = direct::shade(g, around, &shadow_maps, sky_light, &config.direct);
     let light = Light { direct, indirect, visible };
     let composed = compose::sum(g, &gbuffer, light, vpls.as_ref(), &sky, &config.compose);
-    Frame { gbuffer, gathered, indirect, visible, direct, composed }
+    Frame { gbuffer, lights, gathered, indirect, visible, direct, composed }
 }

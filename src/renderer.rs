@@ -1,11 +1,11 @@
 //! Renderer of a scene under a config, frame by frame: shared by the commands and the tests.
 
 use crate::config::{Config, TimingMode};
-use crate::explanation::{Explanation, Wanted};
 use crate::fail;
 use crate::frame::{Frame, frame};
 use crate::gpu::{Adapter, Feature, Gpu, Options};
-use crate::graph::{Dump, Engine, Execution, Graph, Image, Library, Pool, ReadBack, Timing};
+use crate::graph::{Dump, Engine, Execution, Graph, Image, Library, Output, Pool, ReadBack, Timing};
+use crate::inspection::{Inspected, Wanted};
 use crate::output::{Picture, Plane};
 use crate::scene::{Camera, Light, Scene};
 use crate::stages::facts::Facts;
@@ -13,7 +13,7 @@ use crate::stages::residents::Residents;
 use crate::stages::{self, gather};
 use crate::trace;
 use crate::world::projection::View;
-use crate::world::{Lighting, Needs, Shot, World};
+use crate::world::{Inspection, Lighting, Needs, Shot, World};
 use anyhow::{Result, bail};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -70,8 +70,8 @@ pub struct Rendered {
     pub non_finite: Vec<(&'static str, String, u32)>,
     /// The frame's images, if they were requested.
     pub picture: Option<Picture>,
-    /// Why the pixel is lit that was asked about.
-    pub explanation: Option<Explanation>,
+    /// Answers to what was asked about the frame.
+    pub inspected: Inspected,
 }
 
 impl Rendered {
@@ -236,8 +236,8 @@ impl Renderer {
         Ok((g.pass_names().collect(), resources.chain(g.told_names().map(str::to_owned)).collect()))
     }
 
-    /// Passes of a config's frame 0, in order, with the images that each writes.
-    pub fn outputs(&mut self, config: &Config) -> Result<Vec<(&'static str, Vec<String>)>> {
+    /// Passes of a config's frame 0, in order, with the images and buffers that each writes.
+    pub fn outputs(&mut self, config: &Config) -> Result<Vec<(&'static str, Vec<Output>)>> {
         self.ensure_for(config)?;
         let shot = self.shot(config, 0)?;
         let mut g = Graph::new();
@@ -268,33 +268,42 @@ impl Renderer {
     /// # Errors
     /// As [`Self::shoot`].
     pub fn render(&mut self, config: &Config, frame_index: u32, pictured: bool, execution: &Execution) -> Result<Rendered> {
-        self.next(config, frame_index, None, pictured, execution)
+        self.next(config, frame_index, Inspection::default(), pictured, execution)
     }
 
-    /// Renders a frame as [`Self::render`] does, and explains why a pixel is lit. The picture is the same; rays are traced from that pixel.
+    /// Renders a frame as [`Self::render`] does, and answers questions about it. The picture is the same.
     ///
     /// # Errors
     /// As [`Self::shoot`].
     ///
     /// # Panics
-    /// If the pixel is outside of the picture, or if the scene was brought without what rays need.
-    pub fn ask(&mut self, config: &Config, frame_index: u32, pixel: [u32; 2], pictured: bool, execution: &Execution) -> Result<Rendered> {
-        let size = config.frame.size;
-        assert!(pixel[0] < size[0] && pixel[1] < size[1], "pixel {pixel:?} is outside of a picture of {size:?}");
-        self.ensure(Needs { rays: true })?;
-        self.next(config, frame_index, Some(pixel), pictured, execution)
+    /// If a pixel is outside of the picture, or if the scene was brought without what its rays need.
+    pub fn inspect(
+        &mut self,
+        config: &Config,
+        frame_index: u32,
+        inspection: Inspection,
+        pictured: bool,
+        execution: &Execution,
+    ) -> Result<Rendered> {
+        if let Some(pixel) = inspection.pixel {
+            let size = config.frame.size;
+            assert!(pixel[0] < size[0] && pixel[1] < size[1], "pixel {pixel:?} is outside of a picture of {size:?}");
+            self.ensure(Needs { rays: true })?;
+        }
+        self.next(config, frame_index, inspection, pictured, execution)
     }
 
     fn next(
         &mut self,
         config: &Config,
         frame_index: u32,
-        asked: Option<[u32; 2]>,
+        inspection: Inspection,
         pictured: bool,
         execution: &Execution,
     ) -> Result<Rendered> {
         self.ensure_for(config)?;
-        let shot = Shot { asked, ..self.shot(config, frame_index)? };
+        let shot = Shot { inspection, ..self.shot(config, frame_index)? };
         let mut lane = std::mem::take(&mut self.batch);
         let follows = lane.before().is_some_and(|before| before.index + 1 == frame_index);
         if !follows || self.batch_config.as_ref() != Some(config) {
@@ -312,7 +321,7 @@ impl Renderer {
     /// # Errors
     /// The device's own, with the pass; the lane is cut then.
     pub fn shoot(&mut self, lane: &mut Lane, shot: Shot, config: &Config, pictured: bool, execution: &Execution) -> Result<Rendered> {
-        self.world.set_time(&mut self.engine.gpu, shot.seconds, needs(config).and(Needs { rays: shot.asked.is_some() }))?;
+        self.world.set_time(&mut self.engine.gpu, shot.seconds, needs(config).and(Needs { rays: shot.inspection.pixel.is_some() }))?;
         if lane.before.take().is_none() {
             lane.pool.cut();
         }
@@ -329,7 +338,7 @@ impl Renderer {
             frame.gbuffer.depth,
         ];
         let read: Vec<ReadBack> = if pictured { images.iter().map(|image| g.read_back(*image)).collect() } else { Vec::new() };
-        let wanted = shot.asked.map(|pixel| Wanted::of(&mut g, &frame, pixel));
+        let wanted = Wanted::of(&mut g, &frame, shot.inspection);
         let outcome = self.engine.run(&mut lane.pool, &g, execution)?;
         let _span = pictured.then(|| trace::span("decoding the images"));
         let picture = match read.as_slice() {
@@ -345,7 +354,7 @@ impl Renderer {
             }
             [] => None,
         };
-        let explanation = wanted.map(|wanted| wanted.read(&outcome, &shot.view));
+        let inspected = wanted.read(&outcome, &shot.view);
         lane.before = Some(shot);
         Ok(Rendered {
             times: outcome.times,
@@ -354,7 +363,7 @@ impl Renderer {
             dumps: outcome.dumps,
             non_finite: outcome.non_finite,
             picture,
-            explanation,
+            inspected,
         })
     }
 }

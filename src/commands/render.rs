@@ -113,7 +113,7 @@ fn write_dump(folder: &Path, dump: &Dump) -> Result<String> {
             write_exr(&path, size[0], size[1], layers.collect(), &[])?;
             path
         }
-        DumpData::Buffer { element, element_bytes, bytes } => {
+        DumpData::Buffer { element, element_bytes, bytes, .. } => {
             let path = folder.join(format!("{name}.{element}.{element_bytes}-bytes.bin"));
             write_file(&path, bytes)?;
             path

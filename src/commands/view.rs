@@ -9,11 +9,11 @@ use crate::error::{Exit, exit_code};
 use crate::fail;
 use crate::files::prepare_folder;
 use crate::gpu::DeviceChoice;
-use crate::graph::{self, DumpData, Reuse};
+use crate::graph::{self, DumpData, Output, Reuse};
 use crate::reference::{Settings, Sum, Sums, Tracer, develop};
 use crate::renderer::{Lane, Renderer};
 use crate::window::{self, Against, Mailbox, Message, Other, Project, Request, Shown, Taken, Truth};
-use crate::world::Needs;
+use crate::world::{Inspection, Needs};
 use anyhow::Result;
 use glam::Vec3;
 use std::sync::Arc;
@@ -79,8 +79,8 @@ struct Stage {
     config: Option<Config>,
     /// Changes with the prepared config.
     number: u64,
-    /// Passes of the prepared config, with the images that each writes.
-    outputs: Vec<(&'static str, Vec<String>)>,
+    /// Passes of the prepared config, with the images and buffers that each writes.
+    outputs: Vec<(&'static str, Vec<Output>)>,
     /// Frames of the project that the picture is compared with, and its prepared config.
     other: (Lane, Option<Config>),
     tracing: Option<Tracing>,
@@ -128,7 +128,7 @@ impl Stage {
     /// Begins to trace paths for a frame, unless it is the one that is traced already.
     fn follow(&mut self, config: &Config, request: &Request, bounces: u32) -> Result<()> {
         let settings = Settings { bounces, frame_index: request.frame, min_distance: 0.0, centered: false };
-        let (number, asked) = (request.number, request.asked);
+        let (number, asked) = (request.number, request.inspection.pixel);
         // Methods make no difference to the truth.
         let Config { scene, camera, light, frame, materials, sky, compose, .. } = config.clone();
         let truth = Config { scene, camera, light, frame, materials, sky, compose, ..Config::default() };
@@ -329,10 +329,8 @@ impl RenderThread {
         execution.dump = [Some(pass), request.depth.then_some(window::DEPTH.0)].into_iter().flatten().map(str::to_owned).collect();
         let pictured = request.save.is_some();
         let inside = |pixel: &[u32; 2]| pixel[0] < config.frame.size[0] && pixel[1] < config.frame.size[1];
-        let rendered = match request.asked.filter(inside) {
-            Some(pixel) => stage.renderer.ask(&config, request.frame, pixel, pictured, &execution)?,
-            None => stage.renderer.render(&config, request.frame, pictured, &execution)?,
-        };
+        let inspection = Inspection { pixel: request.inspection.pixel.filter(inside), ..request.inspection };
+        let rendered = stage.renderer.inspect(&config, request.frame, inspection, pictured, &execution)?;
         let other = match &request.against {
             Against::Nothing => None,
             Against::Project(project) => match stage.other(project, &request) {
@@ -370,7 +368,7 @@ impl RenderThread {
             counts: rendered.counts,
             memory: rendered.memory,
             dumps: rendered.dumps,
-            explanation: rendered.explanation,
+            inspected: rendered.inspected,
             other,
             outputs: stage.outputs.clone(),
             warnings,

@@ -9,7 +9,7 @@ use super::plan::plan;
 use super::pool::{BufferKind, Pool};
 use super::record::{Placed, Ready, Step, accesses};
 use super::reuse::{self, Reuse};
-use super::{Graph, ReadBack, Resource, Source, Variant};
+use super::{Graph, Member, ReadBack, Resource, Source, Variant};
 use crate::gpu::{BindingKind, Bound, BufferId, Format, Gpu, ImageDesc, PipelineId, Sampler};
 use crate::trace;
 use anyhow::{Result, bail};
@@ -72,7 +72,7 @@ pub struct Dump {
 #[derive(Debug, Clone)]
 pub enum DumpData {
     Image { format: Format, size: [u32; 2], layers: u32, texels: Vec<u8> },
-    Buffer { element: &'static str, element_bytes: usize, bytes: Vec<u8> },
+    Buffer { element: &'static str, members: &'static [Member], element_bytes: usize, bytes: Vec<u8> },
 }
 
 /// A device with its shaders and pipelines, shared by all sequences of frames.
@@ -230,8 +230,9 @@ impl Engine {
                     Resource::Image(i) => DumpData::Image { format: i.format, size: i.size, layers: i.layers, texels: bytes },
                     Resource::Buffer(b) => {
                         let element = graph.slots[b.index as usize].element;
-                        let (element, element_bytes) = element.map_or(("bytes", 1), |element| (element.name, element.bytes));
-                        DumpData::Buffer { element, element_bytes, bytes }
+                        let (element, members, element_bytes) =
+                            element.map_or(("bytes", &[][..], 1), |element| (element.name, element.members, element.bytes));
+                        DumpData::Buffer { element, members, element_bytes, bytes }
                     }
                 };
                 outcome.dumps.push(Dump { pass: ready.pass.name, resource: graph.name(*resource).to_owned(), data });

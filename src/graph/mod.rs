@@ -17,6 +17,7 @@ pub mod plan;
 mod pool;
 mod record;
 mod reuse;
+mod rows;
 mod shader_struct;
 
 pub use engine::{Dump, DumpData, Engine, Execution, FrameOutcome, Timing};
@@ -25,6 +26,7 @@ pub use parts::{Part, Variant};
 pub use pass::{ComputePass, DrawList, Extent, ListBlock, RasterPass};
 pub use pool::Pool;
 pub use reuse::Reuse;
+pub use rows::Rows;
 pub use shader_struct::{Member, ShaderStruct};
 
 use crate::gpu::{BufferId, Format, ImageId};
@@ -121,6 +123,13 @@ pub struct Graph {
     /// Suffix of names, and depth of nested descriptions; see [`Self::again`].
     suffix: String,
     depth: u32,
+}
+
+/// A resource that a pass writes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Output {
+    pub name: String,
+    pub is_image: bool,
 }
 
 /// A resource that is read back after the frame; see [`FrameOutcome::bytes`].
@@ -270,13 +279,11 @@ impl Graph {
         self.passes.iter().map(|pass| pass.name)
     }
 
-    /// Images that each pass writes, by name.
-    pub fn outputs(&self) -> Vec<(&'static str, Vec<String>)> {
-        let images = |pass: &Pass| {
-            let written = pass.written().into_iter().filter(|resource| matches!(resource, Resource::Image(_)));
-            written.map(|resource| self.name(resource).to_owned()).collect()
-        };
-        self.passes.iter().map(|pass| (pass.name, images(pass))).collect()
+    /// Images and buffers that each pass writes.
+    pub fn outputs(&self) -> Vec<(&'static str, Vec<Output>)> {
+        let output = |resource| Output { name: self.name(resource).to_owned(), is_image: matches!(resource, Resource::Image(_)) };
+        let written = |pass: &Pass| pass.written().into_iter().map(output).collect();
+        self.passes.iter().map(|pass| (pass.name, written(pass))).collect()
     }
 
     fn is_count(&self, resource: Resource) -> bool {

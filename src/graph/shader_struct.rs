@@ -8,6 +8,8 @@ use bytemuck::Pod;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Member {
     pub name: &'static str,
+    /// Its type in Rust, as `[f32; 3]`.
+    pub kind: &'static str,
     pub offset: usize,
     pub bytes: usize,
 }
@@ -69,6 +71,7 @@ macro_rules! shader_struct {
                 const MEMBERS: &'static [$crate::graph::Member] = &[$(
                     $crate::graph::Member {
                         name: stringify!($member),
+                        kind: stringify!($ty),
                         offset: ::std::mem::offset_of!($name, $member),
                         bytes: ::std::mem::size_of::<$ty>(),
                     }

@@ -2,9 +2,10 @@
 
 use super::project::Project;
 use crate::config::Config;
-use crate::explanation::Explanation;
-use crate::graph::Dump;
+use crate::graph::{Dump, Output};
+use crate::inspection::Inspected;
 use crate::scene::{Aabb, Camera};
+use crate::world::Inspection;
 use crate::world::projection::View;
 use glam::Vec3;
 use std::path::PathBuf;
@@ -26,8 +27,8 @@ pub struct Request {
     pub moving: bool,
     /// Whether the depth of the surfaces in sight is wanted, too.
     pub depth: bool,
-    /// The pixel that is asked why it is lit.
-    pub asked: Option<[u32; 2]>,
+    /// What is asked about the frame.
+    pub inspection: Inspection,
     /// What the picture is compared with.
     pub against: Against,
     /// Folder to write the picture and its layers to, as `render` does.
@@ -91,12 +92,12 @@ pub struct Shown {
     /// Bytes of each resource of the frame.
     pub memory: Vec<(String, u64)>,
     pub dumps: Vec<Dump>,
-    /// Why the pixel is lit that was asked about.
-    pub explanation: Option<Explanation>,
+    /// Answers to what was asked about the frame.
+    pub inspected: Inspected,
     /// The picture of [`Against::Project`], or why there is none.
     pub other: Option<Result<Other, String>>,
-    /// Passes of the frame, with the images that each writes.
-    pub outputs: Vec<(&'static str, Vec<String>)>,
+    /// Passes of the frame, with the images and buffers that each writes.
+    pub outputs: Vec<(&'static str, Vec<Output>)>,
     pub warnings: Vec<String>,
     /// The device, its driver and the timing mode.
     pub device: String,
@@ -181,7 +182,18 @@ mod tests {
     fn request(number: u64, save: Option<PathBuf>) -> Request {
         let project = Project::new(Path::new("linke"), Vec::new());
         let against = Against::Nothing;
-        Request { number, project, frame: 0, pass: "compose/sum", scale: 1.0, moving: false, depth: false, asked: None, against, save }
+        Request {
+            number,
+            project,
+            frame: 0,
+            pass: "compose/sum",
+            scale: 1.0,
+            moving: false,
+            depth: false,
+            inspection: Inspection::default(),
+            against,
+            save,
+        }
     }
 
     #[test]

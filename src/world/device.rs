@@ -73,11 +73,11 @@ impl ShaderStruct for Vertex {
     const MEMBERS: &'static [Member] = {
         use std::mem::offset_of;
         &[
-            Member { name: "position", offset: offset_of!(Vertex, position), bytes: 12 },
-            Member { name: "normal", offset: offset_of!(Vertex, normal), bytes: 4 },
-            Member { name: "uv", offset: offset_of!(Vertex, uv), bytes: 8 },
-            Member { name: "color", offset: offset_of!(Vertex, color), bytes: 4 },
-            Member { name: "tangent", offset: offset_of!(Vertex, tangent), bytes: 4 },
+            Member { name: "position", kind: "[f32; 3]", offset: offset_of!(Vertex, position), bytes: 12 },
+            Member { name: "normal", kind: "u32", offset: offset_of!(Vertex, normal), bytes: 4 },
+            Member { name: "uv", kind: "[f32; 2]", offset: offset_of!(Vertex, uv), bytes: 8 },
+            Member { name: "color", kind: "u32", offset: offset_of!(Vertex, color), bytes: 4 },
+            Member { name: "tangent", kind: "u32", offset: offset_of!(Vertex, tangent), bytes: 4 },
         ]
     };
 }

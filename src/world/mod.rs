@@ -21,7 +21,7 @@ use crate::scene::Scene;
 use crate::trace;
 use anyhow::Result;
 use device::{DeviceScene, FrameScene};
-pub use shot::{Lighting, Shot};
+pub use shot::{Inspection, Lighting, Shot};
 use sky::{FrameSky, Skies};
 use traced::{TracedHandles, TracedScene};
 

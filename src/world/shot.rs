@@ -18,8 +18,16 @@ pub struct Shot {
     pub seconds: f64,
     pub view: View,
     pub lighting: Lighting,
-    /// The pixel that is asked why it is lit.
-    pub asked: Option<[u32; 2]>,
+    pub inspection: Inspection,
+}
+
+/// Questions about a frame, beside its picture, which stays the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Inspection {
+    /// A pixel: why is it lit? Rays are traced from it.
+    pub pixel: Option<[u32; 2]>,
+    /// Whether the VPLs are brought back, with their shadow maps.
+    pub vpls: bool,
 }
 
 /// Lighting of a frame.
@@ -43,7 +51,7 @@ impl Shot {
             seconds: view::seconds(config, index),
             view: world.view(config, index)?,
             lighting: Lighting::of(config, world, adapter, index)?,
-            asked: None,
+            inspection: Inspection::default(),
         })
     }
 }

@@ -3,9 +3,10 @@
 use crate::common::*;
 use glam::Vec3;
 use manylight::config::{Block, Builtin, Config, Culling, GatherMethod, SceneConfig, VisibilityMethod};
-use manylight::explanation::Explanation;
+use manylight::inspection::Explanation;
 use manylight::renderer::Renderer;
 use manylight::scene::source::load_scene;
+use manylight::world::Inspection;
 
 fn config() -> Config {
     let mut config = Config { scene: SceneConfig { builtin: Some(Builtin::Cornell), ..SceneConfig::default() }, ..Config::default() };
@@ -22,7 +23,9 @@ fn cornell() -> Renderer {
 }
 
 fn ask(renderer: &mut Renderer, config: &Config, pixel: [u32; 2]) -> Explanation {
-    renderer.ask(config, 0, pixel, false, &Default::default()).unwrap_or_else(|error| panic!("{error:#}")).explanation.unwrap()
+    let inspection = Inspection { pixel: Some(pixel), vpls: false };
+    let rendered = renderer.inspect(config, 0, inspection, false, &Default::default()).unwrap_or_else(|error| panic!("{error:#}"));
+    rendered.inspected.explanation.unwrap()
 }
 
 fn pixels() -> impl Iterator<Item = [u32; 2]> {

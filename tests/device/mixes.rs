@@ -6,6 +6,7 @@ use manylight::config::{CameraConfig, Config, GatherMethod, Kind, keys};
 use manylight::graph::{Execution, Reuse};
 use manylight::output::Picture;
 use manylight::renderer::Renderer;
+use manylight::world::Inspection;
 use std::path::PathBuf;
 
 /// Sections whose names are mixed.
@@ -60,9 +61,9 @@ fn kept_by_a_moved_camera(renderer: &mut Renderer, config: &Config, number: u64,
 /// Asks why pixels are lit. The picture must stay as it is, and the VPLs' shares must sum to the gather's light.
 fn explains_a_pixel(renderer: &mut Renderer, config: &Config, expected: &Picture, mix: &str) -> anyhow::Result<()> {
     for pixel in [[11, 21], [30, 9]] {
-        let rendered = renderer.ask(config, 0, pixel, true, &Execution::default())?;
+        let rendered = renderer.inspect(config, 0, Inspection { pixel: Some(pixel), vpls: true }, true, &Execution::default())?;
         assert!(rendered.picture.unwrap().image == expected.image, "{mix}: a question changes the picture");
-        let asked = rendered.explanation.unwrap();
+        let asked = rendered.inspected.explanation.unwrap();
         assert!(!asked.bounces.is_empty() && asked.bounces.iter().all(|bounce| !bounce.is_empty()), "{mix}: there are no VPLs");
         let sums = asked.sums();
         if config.gather.method == GatherMethod::LightCaches {

@@ -38,14 +38,14 @@ impl ShaderStruct for LightCache {
     const MEMBERS: &'static [Member] = {
         use std::mem::offset_of;
         &[
-            Member { name: "corners", offset: offset_of!(LightCache, corners), bytes: 12 },
-            Member { name: "draw", offset: offset_of!(LightCache, draw), bytes: 4 },
-            Member { name: "weights", offset: offset_of!(LightCache, weights), bytes: 8 },
-            Member { name: "normal", offset: offset_of!(LightCache, normal), bytes: 12 },
-            Member { name: "share", offset: offset_of!(LightCache, share), bytes: 4 },
-            Member { name: "silhouette", offset: offset_of!(LightCache, silhouette), bytes: 4 },
-            Member { name: "opacity", offset: offset_of!(LightCache, opacity), bytes: 4 },
-            Member { name: "one_of_two", offset: offset_of!(LightCache, one_of_two), bytes: 4 },
+            Member { name: "corners", kind: "[f32; 3]", offset: offset_of!(LightCache, corners), bytes: 12 },
+            Member { name: "draw", kind: "u32", offset: offset_of!(LightCache, draw), bytes: 4 },
+            Member { name: "weights", kind: "[f32; 2]", offset: offset_of!(LightCache, weights), bytes: 8 },
+            Member { name: "normal", kind: "[f32; 3]", offset: offset_of!(LightCache, normal), bytes: 12 },
+            Member { name: "share", kind: "f32", offset: offset_of!(LightCache, share), bytes: 4 },
+            Member { name: "silhouette", kind: "f32", offset: offset_of!(LightCache, silhouette), bytes: 4 },
+            Member { name: "opacity", kind: "f32", offset: offset_of!(LightCache, opacity), bytes: 4 },
+            Member { name: "one_of_two", kind: "u32", offset: offset_of!(LightCache, one_of_two), bytes: 4 },
         ]
     };
 }

@@ -56,7 +56,7 @@ impl<'f> Asked<'f> {
 
     /// Binds what all variants read, and dispatches.
     fn run(self, asked: Buffer, pass: ComputePass<'_>, vpls: &Vpls, shares: Buffer) {
-        let Some(traced) = self.around.traced else { unreachable!("Renderer::ask brings what rays need") };
+        let Some(traced) = self.around.traced else { unreachable!("Renderer::inspect brings what rays need") };
         pass.traces(traced)
             .reads("view", self.around.gbuffer.view)
             .reads("depth", self.around.gbuffer.depth)

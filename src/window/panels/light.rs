@@ -1,11 +1,12 @@
 //! Why a pixel is lit: the VPLs that light it, with lines to them, and the way from their light to the picture and to the reference.
 
+use super::vpls::Tells;
 use super::{Panels, Tab};
 use crate::color::luminance;
-use crate::explanation::{Explanation, Lighting};
+use crate::inspection::{Explanation, Lighting};
 use crate::window::mailbox::Truth;
 use crate::world::projection::View;
-use egui::{Color32, DragValue, Grid, Painter, Pos2, Rect, RichText, ScrollArea, Ui, pos2};
+use egui::{Color32, ComboBox, DragValue, Grid, Painter, Pos2, Rect, RichText, ScrollArea, Ui, pos2};
 use glam::Vec3;
 
 /// State of the question.
@@ -105,11 +106,22 @@ impl Panels {
 
     /// The explanation of the shown frame.
     fn explanation(&self) -> Option<&Explanation> {
-        let explanation = self.shown.as_ref()?.explanation.as_ref()?;
+        let explanation = self.shown.as_ref()?.inspected.explanation.as_ref()?;
         (self.asked_pixel() == Some(explanation.pixel)).then_some(explanation)
     }
 
     pub(super) fn light(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            ui.checkbox(&mut self.overlay.shows, "VPLs over the picture");
+            let label = ui.label("by").id;
+            let list = ComboBox::from_id_salt("tells").selected_text(self.overlay.tells.name()).show_ui(ui, |ui| {
+                for tells in [Tells::Light, Tells::Bounce, Tells::Map] {
+                    ui.selectable_value(&mut self.overlay.tells, tells, tells.name());
+                }
+            });
+            list.response.labelled_by(label);
+        });
+        ui.separator();
         let Some([x, y]) = self.question.pixel else {
             ui.label("Click on a pixel of the picture, and see which VPLs light it.");
             return;

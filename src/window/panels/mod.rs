@@ -10,15 +10,18 @@ mod status;
 mod tests;
 mod times;
 mod top;
+mod vpls;
 
 use self::compare::Compare;
 use self::light::Question;
+use self::vpls::Overlay;
 use super::flight::Flight;
 use super::look::{Look, Texels};
 use super::mailbox::{Message, Request, Shown};
 use super::pace::Pace;
 use super::project::Project;
 use super::{DEPTH, PICTURE};
+use crate::world::Inspection;
 use egui::{Context, TextureHandle, TextureOptions, Ui};
 use glam::Vec3;
 use std::collections::VecDeque;
@@ -71,6 +74,7 @@ pub struct Panels {
 
     compare: Compare,
     question: Question,
+    overlay: Overlay,
     doing: Option<(&'static str, Instant)>,
     failed: Option<String>,
     said: Option<String>,
@@ -106,6 +110,7 @@ impl Panels {
             times: VecDeque::new(),
             compare: Compare::default(),
             question: Question::default(),
+            overlay: Overlay::default(),
             doing: None,
             failed: None,
             said: None,
@@ -185,6 +190,7 @@ impl Panels {
             Some(Err(why)) => self.failed = Some(why),
             None => {}
         }
+        self.overlay.take(&mut shown);
         self.compare.shown();
         (self.shown, self.is_stale) = (Some(shown), true);
         context.request_repaint();
@@ -248,8 +254,8 @@ impl Panels {
             pass: self.pass,
             scale: if moving { self.pace.scale() } else { 1.0 },
             moving,
-            depth: self.aim.is_some(),
-            asked: self.asked_pixel().filter(|_| !moving),
+            depth: self.aim.is_some() || (self.overlay.shows && !moving),
+            inspection: Inspection { pixel: self.asked_pixel().filter(|_| !moving), vpls: self.overlay.shows && !moving },
             against: self.compare.against(self),
             save,
         };

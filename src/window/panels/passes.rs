@@ -1,6 +1,7 @@
 //! The passes of the frame, and how the chosen one's image is made visible.
 
 use super::Panels;
+use crate::graph::{Output, Rows};
 use crate::window::PICTURE;
 use crate::window::look::{Channel, Look};
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, Ui};
@@ -15,22 +16,45 @@ impl Panels {
         self.look_of_image(ui);
         ui.separator();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            for (pass, images) in outputs {
-                if images.is_empty() {
-                    ui.label(RichText::new(pass).weak()).on_hover_text("It writes buffers alone");
-                    continue;
-                }
+            for (pass, written) in outputs {
                 ui.label(pass);
                 ui.indent(pass, |ui| {
-                    for image in images {
-                        let chosen = self.pass == pass && self.image == image;
-                        if ui.selectable_label(chosen, &image).clicked() && !chosen {
-                            (self.pass, self.image, self.look, self.is_stale) = (pass, image, Look::default(), true);
+                    for Output { name, is_image } in written {
+                        let chosen = self.pass == pass && self.image == name;
+                        let text = if is_image { RichText::new(&name) } else { RichText::new(&name).weak() };
+                        let hint = if is_image { "An image" } else { "A buffer, shown as a table" };
+                        if ui.selectable_label(chosen, text).on_hover_text(hint).clicked() && !chosen {
+                            (self.pass, self.image, self.look, self.is_stale) = (pass, name, Look::default(), true);
                         }
                     }
                 });
             }
         });
+    }
+
+    /// The buffer that is chosen, of the last frame.
+    fn rows(&self) -> Option<Rows<'_>> {
+        let dumps = &self.shown.as_ref()?.dumps;
+        Rows::of(&dumps.iter().find(|dump| dump.pass == self.pass && dump.resource == self.image)?.data)
+    }
+
+    /// Shows the chosen buffer as a table; returns whether a buffer is chosen.
+    pub(super) fn buffer(&self, ui: &mut Ui) -> bool {
+        let Some(rows) = self.rows() else { return false };
+        ui.label(RichText::new(format!("{}: {} elements", self.image, rows.len())).strong());
+        let widths: Vec<usize> = rows.columns.iter().map(|column| column.len().max(11)).collect();
+        let line = |first: &str, cells: &[String]| {
+            let cells: String = cells.iter().zip(&widths).map(|(cell, width)| format!(" {cell:>width$}")).collect();
+            RichText::new(format!("{first:>8}{cells}")).monospace()
+        };
+        ScrollArea::horizontal().id_salt("columns").auto_shrink(false).show(ui, |ui| {
+            ui.label(line("", &rows.columns).strong());
+            let height = ui.text_style_height(&egui::TextStyle::Monospace);
+            ScrollArea::vertical().id_salt("rows").auto_shrink(false).show_rows(ui, height, rows.len(), |ui, range| {
+                range.for_each(|row| drop(ui.add(egui::Label::new(line(&row.to_string(), &rows.row(row))).extend())));
+            });
+        });
+        true
     }
 
     fn look_of_image(&mut self, ui: &mut Ui) {

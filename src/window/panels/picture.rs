@@ -10,6 +10,9 @@ const TURN: f32 = 2.0;
 
 impl Panels {
     pub(super) fn picture(&mut self, ui: &mut Ui) {
+        if self.buffer(ui) {
+            return;
+        }
         self.bring_texture(ui.ctx());
         let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let Some(texture) = &self.texture else {
@@ -49,6 +52,7 @@ impl Panels {
         }
 
         self.lines(&painter, place);
+        self.vpls(ui, &response, &painter, place);
         let pixel = |at: Pos2| {
             let share = (at - place.min) / place.size();
             let inside = share.min_elem() >= 0.0 && share.max_elem() < 1.0;

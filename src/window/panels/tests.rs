@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::gpu::Format;
-use crate::graph::{Dump, DumpData};
+use crate::graph::{Dump, DumpData, Output};
+use crate::inspection::Inspected;
 use crate::presets;
 use crate::scene::{Aabb, Camera};
 use crate::window::mailbox::Against;
@@ -17,6 +18,9 @@ fn shown(request: Request) -> Box<Shown> {
     let config = crate::config::parse_preset(preset, Path::new("preset.toml"), &request.project.overrides()).unwrap().config;
     let camera = Camera { name: String::new(), position: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, fov_y_deg: 50.0 };
     let bounds = Aabb { min: Vec3::NEG_ONE, max: Vec3::ONE };
+    let image = |name: &str| Output { name: name.to_owned(), is_image: true };
+    let areas: Vec<u8> = [0.25_f32, 1.5].iter().flat_map(|area| area.to_ne_bytes()).collect();
+    let areas = DumpData::Buffer { element: "float", members: &[], element_bytes: 4, bytes: areas };
     let data = DumpData::Image { format: Format::Rgba8Unorm, size: [2, 1], layers: 1, texels: vec![255, 0, 0, 255, 0, 255, 0, 255] };
     Box::new(Shown {
         view: View::new(&camera, [2, 1], bounds),
@@ -27,10 +31,17 @@ fn shown(request: Request) -> Box<Shown> {
         frame_ms: 4.0,
         counts: vec![("vpls/lit".to_owned(), 7)],
         memory: vec![("gbuffer/depth".to_owned(), 64)],
-        dumps: vec![Dump { pass: PICTURE.0, resource: PICTURE.1.to_owned(), data }],
-        explanation: None,
+        dumps: vec![
+            Dump { pass: PICTURE.0, resource: PICTURE.1.to_owned(), data },
+            Dump { pass: "vpls/regular", resource: "vpls/areas".to_owned(), data: areas },
+        ],
+        inspected: Inspected::default(),
         other: None,
-        outputs: vec![(DEPTH.0, vec![DEPTH.1.to_owned()]), (PICTURE.0, vec![PICTURE.1.to_owned()])],
+        outputs: vec![
+            (DEPTH.0, vec![image(DEPTH.1)]),
+            ("vpls/regular", vec![Output { name: "vpls/areas".to_owned(), is_image: false }]),
+            (PICTURE.0, vec![image(PICTURE.1)]),
+        ],
         warnings: vec!["something is not used".to_owned()],
         device: "a device".to_owned(),
         request,
@@ -106,6 +117,15 @@ fn a_pass_is_shown_until_the_method_that_has_it_is_gone() {
     assert_eq!(user.request().pass, DEPTH.0);
     user.click("Back to the picture");
     assert_eq!(user.request().pass, PICTURE.0);
+}
+
+#[test]
+fn a_buffer_is_a_table_of_its_numbers() {
+    let mut user = User::of("linke");
+    user.click("vpls/areas");
+    assert_eq!(user.request().pass, "vpls/regular");
+    user.0.get_by_label_contains("2 elements");
+    user.0.get_by_label_contains("1.50000");
 }
 
 #[test]

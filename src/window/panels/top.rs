@@ -38,8 +38,10 @@ impl Panels {
                 self.is_stale = true;
             }
             ui.checkbox(&mut self.waits_for_display, "vsync").on_hover_text("Wait for the display's refresh (V)");
+            ui.checkbox(&mut self.overlay.shows, "VPLs")
+                .on_hover_text("Draw the VPLs over what is shown; point at one to see its shadow map");
             let mut light = !ui.visuals().dark_mode;
-            if ui.checkbox(&mut light, "light").on_hover_text("Light panels").changed() {
+            if ui.checkbox(&mut light, "bright").on_hover_text("Bright panels").changed() {
                 ui.ctx().set_theme(if light { Theme::Light } else { Theme::Dark });
             }
         });
