@@ -195,8 +195,8 @@ impl Panels {
                 let share = light.share;
                 let brings = luminance(&share.light);
                 let number = if light.bounce == 1 { light.index.to_string() } else { format!("{}#{}", light.index, light.bounce) };
-                let response = ui.label(RichText::new(number).monospace());
                 let color = agreement(light).color();
+                let response = ui.label(RichText::new(number).monospace().color(color)).on_hover_text(agreement(light).name());
                 let text = |ui: &mut Ui, text: String| drop(ui.label(RichText::new(text).monospace()));
                 text(ui, format!("{brings:.4}"));
                 text(ui, if sum > 0.0 { format!("{:.1}", 100.0 * brings / sum) } else { "-".to_owned() });
