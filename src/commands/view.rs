@@ -12,6 +12,7 @@ use crate::gpu::DeviceChoice;
 use crate::graph::{self, DumpData, Output, Reuse};
 use crate::reference::{Settings, Sum, Sums, Tracer, develop};
 use crate::renderer::{Lane, Renderer};
+use crate::scene::Scene;
 use crate::window::{self, Against, Mailbox, Message, Other, Project, Request, Shown, Taken, Truth};
 use crate::world::{Inspection, Needs};
 use anyhow::Result;
@@ -169,6 +170,15 @@ fn truth_at(sums: &Sums, pixel: [u32; 2]) -> Truth {
         bounces: (1..=sums.bounces).map(|bounce| color(Sum::Bounce(bounce))).collect(),
         irradiance: color(Sum::Irradiance),
     }
+}
+
+/// The last frame of a sequence: of the config, of its keyframes, or of the scene's animation.
+fn last_frame(config: &Config, scene: &Scene) -> u32 {
+    let of_camera = config.camera.iter().flat_map(|camera| &camera.keyframes).map(|key| key.time);
+    let of_lights = config.light.iter().flat_map(|light| light.keyframes()).map(|key| key.time);
+    let of_scene = scene.animation.iter().map(|animation| animation.duration as f32);
+    let seconds = of_camera.chain(of_lights).chain(of_scene).fold(0.0, f32::max);
+    ((seconds * config.frame.fps).ceil() as u32).max(config.frame.count.max(1) - 1)
 }
 
 /// A config with a share of its picture's sides.
@@ -361,6 +371,7 @@ impl RenderThread {
             camera: stage.renderer.camera(&config, request.frame)?,
             view: stage.renderer.view(&config, request.frame)?,
             bounds: stage.renderer.world().device().bounds,
+            last_frame: last_frame(&config, stage.renderer.world().scene()),
             request,
             config,
             times: rendered.times,

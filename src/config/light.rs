@@ -128,6 +128,14 @@ pub struct LightKeyframe {
 }
 
 impl LightConfig {
+    /// The light over time; none of one that stands still.
+    pub fn keyframes(&self) -> &[LightKeyframe] {
+        match self {
+            Self::Directional { keyframes, .. } | Self::Spot { keyframes, .. } | Self::Point { keyframes, .. } => keyframes,
+            Self::Environment { .. } => &[],
+        }
+    }
+
     /// Keys that exclude or need each other.
     pub(super) fn rules(config: &Config) -> Result<(), Broken> {
         config.light.iter().enumerate().try_for_each(|(index, light)| check(light, &format!("light.{index}")))?;

@@ -84,6 +84,8 @@ pub struct Shown {
     pub camera: Camera,
     /// Bounds of the scene, metres.
     pub bounds: Aabb,
+    /// The last frame of the sequence: of the config, of its keyframes, or of the scene's animation.
+    pub last_frame: u32,
     /// Milliseconds of each pass, in order.
     pub times: Vec<(&'static str, f64)>,
     /// Milliseconds from the request to its frame.

@@ -14,6 +14,7 @@ mod pace;
 mod painter;
 mod panels;
 mod project;
+mod recording;
 
 pub use mailbox::{Against, Mailbox, Message, Other, Request, Shown, Taken, Truth};
 pub use project::Project;

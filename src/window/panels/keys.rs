@@ -52,25 +52,31 @@ fn leaves<'k>(section: &str, values: &Value) -> Vec<(String, &'k KeyInfo)> {
     let infos = config::keys().iter().filter(inside).filter(|info| !matches!(info.kind, Kind::Table | Kind::Tables));
     let mut keys = Vec::new();
     for info in infos {
-        match info.key.split_once(".N.") {
-            None => keys.push((info.key.clone(), info)),
-            // Keyframes are edited as text.
-            Some((_, rest)) if rest.contains(".N.") => {}
-            Some((list, rest)) => {
-                let items = at(values, list).and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-                for (i, item) in items.iter().enumerate() {
-                    let kind = item.get("kind").and_then(Value::as_str);
-                    let has = info.lights.is_empty() || kind.is_some_and(|kind| info.lights.iter().any(|known| known == kind));
-                    if has && rest != "kind" {
-                        keys.push((format!("{list}.{i}.{rest}"), info));
-                    }
-                }
-            }
-        }
+        let mut found = Vec::new();
+        expand(&info.key, values, &mut found);
+        keys.extend(found.into_iter().filter(|key| is_of_its_light(key, info, values)).map(|key| (key, info)));
     }
-    // The keys of one light stand together.
-    keys.sort_by_key(|(key, _)| key.split('.').nth(1).and_then(|part| part.parse::<usize>().ok()));
+    // The keys of one light, and of one keyframe, stand together.
+    keys.sort_by_key(|(key, _)| key.split('.').filter_map(|part| part.parse().ok()).collect::<Vec<usize>>());
     keys
+}
+
+/// The keys of a pattern such as `light.N.position`, with an index for each item of its lists.
+fn expand(pattern: &str, values: &Value, found: &mut Vec<String>) {
+    let Some((list, rest)) = pattern.split_once(".N.") else {
+        found.push(pattern.to_owned());
+        return;
+    };
+    let count = at(values, list).and_then(Value::as_array).map_or(0, Vec::len);
+    (0..count).for_each(|i| expand(&format!("{list}.{i}.{rest}"), values, found));
+}
+
+/// Whether a light of its kind has a key. The kind itself is not changed.
+fn is_of_its_light(key: &str, info: &KeyInfo, values: &Value) -> bool {
+    let mut parts = key.split('.');
+    let (Some("light"), Some(index), Some(name)) = (parts.next(), parts.next(), parts.next()) else { return true };
+    let kind = at(values, &format!("light.{index}.kind")).and_then(Value::as_str);
+    name != "kind" && (info.lights.is_empty() || kind.is_some_and(|kind| info.lights.iter().any(|known| known == kind)))
 }
 
 fn at<'v>(values: &'v Value, key: &str) -> Option<&'v Value> {
@@ -233,6 +239,18 @@ mod tests {
         assert!(has("light.0.intensity") && has("light.1.irradiance"), "{keys:?}");
         assert!(!has("light.1.intensity") && !has("light.0.irradiance"), "{keys:?}");
         assert!(keys.is_sorted_by_key(|key| key.split('.').nth(1).map(str::to_owned)), "{keys:?}");
+    }
+
+    #[test]
+    fn keyframes_have_keys_of_their_own_beside_their_light() {
+        let text = "[[light]]\nkind = \"point\"\nkeyframes = [{ time = 0.0 }, { time = 1.0 }]\n[camera]\nkeyframes = [{ time = 0.0 }]\n";
+        let values = Value::Table(toml::from_str(text).unwrap());
+        let keys: Vec<String> = leaves("light", &values).into_iter().map(|(key, _)| key).collect();
+        assert!(
+            keys.iter().any(|key| key == "light.0.keyframes.1.intensity") && !keys.iter().any(|key| key.ends_with("irradiance")),
+            "{keys:?}"
+        );
+        assert!(leaves("camera", &values).iter().any(|(key, _)| key == "camera.keyframes.0.target"));
     }
 
     #[test]

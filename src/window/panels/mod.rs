@@ -1,6 +1,7 @@
 //! The panels around the picture, and what they are set to.
 
 mod compare;
+mod handles;
 mod keys;
 mod light;
 mod passes;
@@ -20,6 +21,7 @@ use super::look::{Look, Texels};
 use super::mailbox::{Message, Request, Shown};
 use super::pace::Pace;
 use super::project::Project;
+use super::recording::{self, Key, Recording};
 use super::{DEPTH, PICTURE};
 use crate::world::Inspection;
 use egui::{Context, TextureHandle, TextureOptions, Ui};
@@ -29,6 +31,8 @@ use std::time::{Duration, Instant};
 
 /// Frames whose times are kept.
 const FRAMES: usize = 200;
+/// Share of the scene's diagonal by which a recorded flight may miss the one that was flown.
+const TOLERANCE: f32 = 5e-4;
 /// Time after the last move until the frame is whole again.
 const REST: Duration = Duration::from_millis(150);
 
@@ -73,6 +77,11 @@ pub struct Panels {
     times: VecDeque<Vec<(&'static str, f64)>>,
 
     compare: Compare,
+    has_handles: bool,
+    /// A flight in the making, and when it began.
+    recording: Option<(Recording, Instant)>,
+    /// The last flight that was recorded.
+    recorded: Vec<Key>,
     question: Question,
     overlay: Overlay,
     doing: Option<(&'static str, Instant)>,
@@ -109,6 +118,9 @@ impl Panels {
             is_stale: false,
             times: VecDeque::new(),
             compare: Compare::default(),
+            has_handles: false,
+            recording: None,
+            recorded: Vec::new(),
             question: Question::default(),
             overlay: Overlay::default(),
             doing: None,
@@ -183,7 +195,7 @@ impl Panels {
             (self.pass, self.image, self.look) = (PICTURE.0, PICTURE.1.to_owned(), Look::default());
         }
         if self.is_playing {
-            self.frame = (self.frame + 1) % shown.config.frame.count.max(1);
+            self.frame = (self.frame + 1) % (shown.last_frame + 1);
         }
         match shown.other.take() {
             Some(Ok(other)) => self.compare.take(other, context),
@@ -227,6 +239,9 @@ impl Panels {
             }
         });
         egui::CentralPanel::default().frame(egui::Frame::NONE.fill(ui.visuals().extreme_bg_color)).show(ui, |ui| self.picture(ui));
+        if let (Some((recording, began)), Some(flight)) = (&mut self.recording, &self.flight) {
+            recording.record(began.elapsed().as_secs_f32(), flight);
+        }
         if let Some(at) = self.moved {
             match REST.checked_sub(at.elapsed()) {
                 Some(rest) => ui.ctx().request_repaint_after(rest),
@@ -272,11 +287,40 @@ impl Panels {
     fn move_camera(&mut self) {
         let Some(flight) = &self.flight else { return };
         let vector = |v: Vec3| format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z);
+        // A recorded flight is kept, and left.
+        self.project.reset("camera.keyframes");
         self.project.set("camera.position", vector(flight.position));
         self.project.set("camera.target", vector(flight.target));
         self.project.set("camera.up", vector(flight.up));
         self.project.set("camera.fov_y_deg", format!("{:?}", flight.fov_y_deg));
         self.moved = Some(Instant::now());
+    }
+
+    /// Begins to record the camera's flight, or ends it and shows it.
+    fn toggle_recording(&mut self) {
+        let Some((recording, _)) = self.recording.take() else {
+            self.recording = Some((Recording::default(), Instant::now()));
+            return;
+        };
+        let diagonal = self.shown.as_ref().map_or(1.0, |shown| shown.bounds.size().length());
+        match recording.finish(TOLERANCE * diagonal) {
+            None => self.failed = Some("no flight was recorded: the camera did not move".to_owned()),
+            Some(keys) => {
+                self.recorded = keys;
+                self.show_flight();
+            }
+        }
+    }
+
+    /// Makes the recorded flight the camera's path.
+    fn show_flight(&mut self) {
+        let (Some(last), Some(shown)) = (self.recorded.last(), &self.shown) else { return };
+        let frames = (last.time * shown.config.frame.fps).ceil() as u32 + 1;
+        ["camera.position", "camera.target"].iter().for_each(|key| self.project.reset(key));
+        self.project.set("camera.keyframes", recording::toml(&self.recorded));
+        self.project.set("frame.count", frames.to_string());
+        self.said = Some(format!("a flight of {:.1} s in {} keyframes, {frames} frames", last.time, self.recorded.len()));
+        (self.flight, self.moved, self.frame) = (None, None, 0);
     }
 
     /// The image that is shown, of the last frame.

@@ -53,6 +53,7 @@ impl Panels {
 
         self.lines(&painter, place);
         self.vpls(ui, &response, &painter, place);
+        self.handles(ui, &painter, place);
         let pixel = |at: Pos2| {
             let share = (at - place.min) / place.size();
             let inside = share.min_elem() >= 0.0 && share.max_elem() < 1.0;
@@ -122,7 +123,9 @@ impl Panels {
             self.waits_for_display = !self.waits_for_display;
         }
         if pressed(Key::C) {
-            ["camera.position", "camera.target", "camera.up", "camera.fov_y_deg"].iter().for_each(|key| self.project.reset(key));
+            ["camera.position", "camera.target", "camera.up", "camera.fov_y_deg", "camera.keyframes"]
+                .iter()
+                .for_each(|key| self.project.reset(key));
             self.flight = None;
             self.moved = None;
         } else if moved {

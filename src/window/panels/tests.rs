@@ -26,6 +26,7 @@ fn shown(request: Request) -> Box<Shown> {
         view: View::new(&camera, [2, 1], bounds),
         camera,
         bounds,
+        last_frame: config.frame.count - 1,
         config,
         times: vec![("gbuffer/draw", 1.0), ("compose/sum", 2.0)],
         frame_ms: 4.0,
@@ -126,6 +127,72 @@ fn a_buffer_is_a_table_of_its_numbers() {
     assert_eq!(user.request().pass, "vpls/regular");
     user.0.get_by_label_contains("2 elements");
     user.0.get_by_label_contains("1.50000");
+}
+
+#[test]
+fn a_flight_is_recorded_as_keyframes_that_can_be_flown_again() {
+    let mut user = User::of("linke");
+    user.click("Record");
+    user.0.key_down(egui::Key::W);
+    user.0.run_steps(20);
+    user.0.key_up(egui::Key::W);
+    user.0.run_steps(2);
+    user.click("Stop");
+    let keyframes = |user: &User| user.changes().into_iter().find(|change| change.starts_with("camera.keyframes=[{ time = 0.0"));
+    let flown = keyframes(&user).unwrap();
+    assert!(user.0.state().0.shown.as_ref().unwrap().config.camera.as_ref().unwrap().keyframes.len() > 1, "{flown}");
+    // Another movement leaves the flight, which is kept.
+    user.0.key_down(egui::Key::D);
+    user.0.run_steps(4);
+    user.0.key_up(egui::Key::D);
+    user.0.run_steps(2);
+    assert_eq!(keyframes(&user), None);
+    user.click("Fly it again");
+    assert_eq!(keyframes(&user), Some(flown));
+}
+
+#[test]
+fn a_light_is_dragged_by_its_handle() {
+    let mut user = User::of("street-evening");
+    user.click("lights");
+    let handle = user.0.get_by_label("direction of light 0").rect().center();
+    user.0.drag_at(handle);
+    user.0.run_steps(2);
+    user.0.hover_at(handle + egui::vec2(6.0, 3.0));
+    user.0.run_steps(2);
+    user.0.drop_at(handle + egui::vec2(6.0, 3.0));
+    user.0.run_steps(4);
+    assert!(user.changes().iter().any(|change| change.starts_with("light.0.direction=[")), "{:?}", user.changes());
+}
+
+#[test]
+fn the_timing_mode_is_switched_beside_the_times() {
+    let mut user = User::of("linke");
+    user.click("Times").click("timing").click("overlapped");
+    assert_eq!(user.changes(), ["frame.timing=\"overlapped\""]);
+}
+
+#[test]
+fn a_pixel_that_is_clicked_is_asked_about_while_its_tab_is_open() {
+    let mut user = User::of("linke");
+    let middle = user.0.ctx.content_rect().center();
+    let click = |user: &mut User| {
+        user.0.hover_at(middle);
+        user.0.run_steps(1);
+        user.0.drag_at(middle);
+        user.0.run_steps(1);
+        user.0.drop_at(middle);
+        user.0.run_steps(6);
+    };
+    click(&mut user);
+    assert_eq!(user.request().inspection.pixel, None);
+    user.click("Light");
+    click(&mut user);
+    assert!(user.request().inspection.pixel.is_some());
+    user.click("VPLs");
+    assert!(user.request().inspection.vpls && user.request().depth);
+    user.click("forget");
+    assert_eq!(user.request().inspection.pixel, None);
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Times of the passes over the last frames, memory and warnings.
 
 use super::Panels;
-use egui::{Color32, Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2};
+use crate::config::TimingMode;
+use egui::{Color32, ComboBox, Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2};
 
 impl Panels {
     pub(super) fn times(&mut self, ui: &mut Ui) {
@@ -11,6 +12,20 @@ impl Panels {
         let frame: f64 = shown.times.iter().map(|(_, ms)| ms).sum();
         ui.label(format!("passes {frame:.1} ms; request to frame {:.1} ms", shown.frame_ms));
         ui.label(RichText::new(&shown.device).weak());
+        let now = timing_name(shown.config.frame.timing);
+        ui.horizontal(|ui| {
+            let label = ui.label("timing").id;
+            let list = ComboBox::from_id_salt("timing").selected_text(now).show_ui(ui, |ui| {
+                for (name, hint) in TIMINGS {
+                    if ui.selectable_label(name == now, name).on_hover_text(hint).clicked() && name != now {
+                        self.project.set("frame.timing", format!("{name:?}"));
+                        self.times.clear();
+                    }
+                }
+            });
+            list.response.labelled_by(label);
+        });
+        let Some(shown) = &self.shown else { return };
         ui.separator();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             ui.label(RichText::new(format!("Median of the last {} frames, ms", self.times.len())).strong());
@@ -91,6 +106,20 @@ impl Panels {
         let mut sums: Vec<f64> = self.times.iter().map(of).collect();
         sums.sort_unstable_by(f64::total_cmp);
         sums.get(sums.len() / 2).copied().unwrap_or(0.0)
+    }
+}
+
+const TIMINGS: [(&str, &str); 3] = [
+    ("isolated", "A full barrier around each pass: passes sum to the frame"),
+    ("overlapped", "Only the barriers that hazards need"),
+    ("serial", "Pass by pass, by the host's clock"),
+];
+
+fn timing_name(timing: TimingMode) -> &'static str {
+    match timing {
+        TimingMode::Isolated => TIMINGS[0].0,
+        TimingMode::Overlapped => TIMINGS[1].0,
+        TimingMode::Serial => TIMINGS[2].0,
     }
 }
 

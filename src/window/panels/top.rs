@@ -40,6 +40,7 @@ impl Panels {
             ui.checkbox(&mut self.waits_for_display, "vsync").on_hover_text("Wait for the display's refresh (V)");
             ui.checkbox(&mut self.overlay.shows, "VPLs")
                 .on_hover_text("Draw the VPLs over what is shown; point at one to see its shadow map");
+            ui.checkbox(&mut self.has_handles, "lights").on_hover_text("Handles of the config's lights: drag places, turn directions");
             let mut light = !ui.visuals().dark_mode;
             if ui.checkbox(&mut light, "bright").on_hover_text("Bright panels").changed() {
                 ui.ctx().set_theme(if light { Theme::Light } else { Theme::Dark });
@@ -70,16 +71,27 @@ impl Panels {
     }
 
     fn time(&mut self, ui: &mut Ui) {
-        let count = self.shown.as_ref().map_or(1, |shown| shown.config.frame.count);
+        let count = self.shown.as_ref().map_or(1, |shown| shown.last_frame + 1);
         let label = ui.label("frame").id;
-        let slider = egui::Slider::new(&mut self.frame, 0..=count.max(1) - 1);
-        ui.add_enabled(count > 1, slider).labelled_by(label).on_hover_text("Frame of the config's animation");
+        let slider = egui::Slider::new(&mut self.frame, 0..=count - 1);
+        ui.add_enabled(count > 1, slider).labelled_by(label).on_hover_text("Frame of the config's animation, or of the scene's");
         let text = if self.is_playing { "Pause" } else { "Play" };
         if ui.add_enabled(count > 1, Button::new(text)).clicked() {
             self.is_playing = !self.is_playing;
             if self.is_playing {
                 self.frame = (self.frame + 1) % count;
             }
+        }
+        let (text, hint) = match &self.recording {
+            None => ("Record", "Record the flight as keyframes of the camera"),
+            Some(_) => ("Stop", "End the flight, and make it the camera's path"),
+        };
+        if ui.add_enabled(self.flight.is_some(), Button::new(text)).on_hover_text(hint).clicked() {
+            self.toggle_recording();
+        }
+        let left = !self.recorded.is_empty() && !self.project.is_changed("camera.keyframes") && self.recording.is_none();
+        if left && ui.button("Fly it again").on_hover_text("Make the recorded flight the camera's path").clicked() {
+            self.show_flight();
         }
     }
 
