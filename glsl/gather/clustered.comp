@@ -37,7 +37,7 @@ void main() {
     uint set = number_of(sample_set());
     uint stride = part_words(params.count);
     Lanes lanes = lanes_of_subgroup();
-    uvec4 left = mine_rows;
+    uvec4 left = mine_rows, on_lists = uvec4(0u);
     while (true) {
         uint least = min(min(left.x, left.y), min(left.z, left.w));
         uvec4 some = subgroupBallot(least != NO_ROW);
@@ -48,6 +48,7 @@ void main() {
         for (uint part = set; part < PARTS; part += SETS) {
             uint begin = (row * PARTS + part) * stride;
             uint count = lists.at[begin];
+            if (STATISTICS) on_lists += count * uvec4(inside);
             for (uint start = 0u; start < count; start += lanes.count) {
                 bool there = start + lanes.mine < count;
                 uint place = min(start + lanes.mine, count - 1u);
@@ -64,4 +65,5 @@ void main() {
         }
     }
     store(pixels);
+    store_numbers(pixels, on_lists);
 }

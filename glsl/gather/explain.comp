@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
-// Light of every VPL at one pixel, by the functions that the gather sums it with, and whether a ray reaches it. Each part for "light" defines
+// Light of every VPL at one pixel, by the functions that the gather sums it with, and whether a ray reaches it. Each part for "explain" defines
 //     void explain(uint index, Receiver r, float visible, inout VplShare share);
 // It completes the share of VPL `index` at a receiver, of whose light the share `visible` arrives by bits, and gives Params, places and the
 // shadows.
@@ -19,7 +19,7 @@ struct VplShare {
     vec3 reflected; // radiance that a glossy receiver reflects of it to the eye, times the number of sample sets
 };
 
-#include "part/light=gather/explain-vpl"
+#include "part/explain=gather/explain-vpl"
 #include "lib/interleave.glsl"
 #include "part/seen=gather/seen-all"
 #include "visibility/shadow-ray.glsl"

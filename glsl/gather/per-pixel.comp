@@ -27,4 +27,5 @@ void main() {
         }
     }
     store(pixels);
+    store_numbers(pixels, uvec4(count));
 }

@@ -5,7 +5,10 @@
 #include "lib/color.glsl"
 #include "lib/subgroup.glsl"
 
+layout(constant_id = 6) const bool STATISTICS = false;
+
 layout(rgba16f) writeonly uniform image2D irradiance;
+layout(rgba32f) writeonly uniform image2D numbers; // VPLs on the pixel's list, and those that shine
 #include "part/seen=gather/seen-all"
 
 void store(Pixel p) {
@@ -38,3 +41,27 @@ uvec2 sample_set() { return gl_WorkGroupID.xy % block_size(); }
 ivec2 block_corner(uvec2 group) { return ivec2(group / block_size() * tile_size() * 2u * block_size()); }
 
 ivec2 first_pixel() { return block_corner(gl_WorkGroupID.xy) + ivec2(place_in_tile() * 2u * block_size() + sample_set()); }
+
+// Number of VPLs of the sample set whose light arrives at a receiver, if nothing shadows it.
+uint shining(Receiver r) {
+    uint shining = 0u;
+    for (uint i = number_of(uvec2(r.pixel) % block_size()); i < params.count; i += SETS) {
+        vec3 way = places.at[i].position - r.position;
+        bool arrives = dot(octahedral_snorm16_inverse(places.at[i].normal), way) < 0.0 && dot(r.normal, way) > 0.0;
+        if (arrives && any(greaterThan(intensities.at[i], vec3(0.0)))) shining++;
+    }
+    return shining;
+}
+
+void store_numbers(Pixel p, uint listed) {
+    if (in_picture(p.at.pixel)) imageStore(numbers, p.at.pixel, vec4(float(listed), float(shining(p.at)), 0.0, 0.0));
+}
+
+// Stores the numbers of VPLs on the pixels' lists, if they are asked for.
+void store_numbers(Quad q, uvec4 listed) {
+    if (!STATISTICS) return;
+    store_numbers(q.a, listed.x);
+    store_numbers(q.b, listed.y);
+    store_numbers(q.c, listed.z);
+    store_numbers(q.d, listed.w);
+}

@@ -31,11 +31,13 @@ void main() {
     uint first = number_of(sample_set());
     uint count = first < params.count ? (params.count - first + SETS - 1u) / SETS : 0u;
     Lanes lanes = lanes_of_subgroup();
+    uint on_list = 0u;
     for (uint start = 0u; start < count; start += lanes.count) {
         bool there = start + lanes.mine < count && lanes.mine < lanes.count;
         Vpl mine = vpl(first + min(start + lanes.mine, count - 1u) * SETS, there);
         bool listed = there && any(greaterThan(mine.intensity, vec3(0.0))) && is_lit(tile, mine.position, mine.facing);
         uint list = ballot_from(subgroupBallot(listed), lanes.first);
+        if (STATISTICS) on_list += uint(bitCount(list));
         uvec4 all_seen = seen(pixel, start);
         // Unrolled by two: llvmpipe ends all loops of an invocation together after 65,535 turns.
         while (list != 0u) {
@@ -50,4 +52,5 @@ void main() {
         }
     }
     store(pixels);
+    store_numbers(pixels, uvec4(on_list));
 }

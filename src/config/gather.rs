@@ -59,6 +59,8 @@ pub struct PerPixelConfig {
     pub culling: Culling,
     pub tile: Tile,
     pub emitters: Emitters,
+    /// Counts the VPLs on a pixel's light lists and those that shine there. `--dump gather/statistics` pictures them.
+    pub statistics: bool,
 }
 
 /// The method `"stochastic"`.

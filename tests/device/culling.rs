@@ -48,6 +48,34 @@ fn atrium() -> Scene {
 }
 
 #[test]
+fn light_lists_are_counted_hold_all_that_shine_and_leave_out_others() {
+    let mut renderer = renderer(atrium());
+    for block in [[1, 1], [4, 4]].map(Block) {
+        let mut config = config([333, 187], [-8.2, 1.9, -6.2], [0.0, 2.2, -5.4]);
+        config.gather.interleave = block;
+        let plain = picture(&mut renderer, &config);
+        config.gather.per_pixel.statistics = true;
+        let mut counts = |culling: Culling| {
+            config.gather.per_pixel.culling = culling;
+            let rendered = render(&mut renderer, &config, 0);
+            assert!(rendered.picture.as_ref().unwrap().image == plain.image, "{culling:?}, {block}: counting changes the picture");
+            ["pixels", "diffuse-listed", "diffuse-lit", "diffuse-wrong"].map(|name| count(&rendered, &format!("gather/{name}")))
+        };
+        let [pixels, all, lit, wrong] = counts(Culling::None);
+        let sets = u64::from(block.0.iter().product::<u32>());
+        assert!((all * sets).abs_diff(pixels * 1000) < pixels * sets, "{pixels} pixels have {all} VPLs");
+        assert_eq!(all - lit, wrong);
+        for culling in [Culling::Tiled, Culling::Clustered] {
+            let [_, listed, shining, wrong] = counts(culling);
+            assert_eq!(shining, lit, "{culling:?}, {block}: who shines is no matter of lists");
+            assert!(lit <= listed && listed < all * 9 / 10, "{culling:?}, {block}: {listed} of {all} are listed, {lit} shine");
+            assert_eq!(listed - shining, wrong);
+        }
+    }
+    finish(renderer.gpu());
+}
+
+#[test]
 fn culling_never_changes_the_picture_whatever_the_view_and_the_block() {
     let mut renderer = traced(atrium());
     let views = [

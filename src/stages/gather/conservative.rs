@@ -2,7 +2,8 @@
 //! with light lists of froxels that the hulls of the VPLs' ranges are rasterized into.
 
 use super::shells::Shell;
-use super::stochastic::{Ranges, Roulette, StochasticParams, bounds, is_coated, ranges, statistics};
+use super::statistics::{counted, numbers};
+use super::stochastic::{Ranges, Roulette, StochasticParams, bounds, is_coated, ranges};
 use super::{Indirect, Visibility, explain};
 use crate::config::{GatherConfig, Rasterization};
 use crate::gpu::Format;
@@ -83,7 +84,7 @@ pub(super) fn conservative_clusters(
         .params(&ShellListsParams { count: vpls.count, capacity: config.conservative_clusters.nodes })
         .dispatch_groups([tiles[0], tiles[1], interleave.sets()]);
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
-    let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.stochastic.statistics { gbuffer.size } else { [1, 1] });
+    let numbers = numbers(g, gbuffer, config.stochastic.statistics);
     let groups = interleave.groups(gbuffer.size, [8, 8]);
     g.compute("gather/conservative-clusters")
         .reads("view", gbuffer.view)
@@ -104,7 +105,7 @@ pub(super) fn conservative_clusters(
         .params(&StochasticParams::of(vpls, config))
         .dispatch_groups([groups[0], groups[1], 1]);
     if config.stochastic.statistics {
-        statistics(g, gbuffer, numbers);
+        counted(g, gbuffer, numbers);
     }
     let shares = explain::roulette_shares(g, around, vpls, Visibility::None, &ranges, config);
     Indirect { irradiance, reflection: None, pattern: interleave, shares }

@@ -109,7 +109,7 @@ pub(super) fn roulette_shares(
     let asked = Asked::of(around, around.wants.interleave)?;
     let (block, shares) = (asked.block(g), shares_of(g, vpls));
     let pass = shadowed(g, "gather/explain", visibility)
-        .part("light", "gather/explain-roulette")
+        .part("explain", "gather/explain-roulette")
         .reads("lobes", ranges.lobes)
         .reads("chances", ranges.chances)
         .reads("albedo", around.gbuffer.albedo)
@@ -128,7 +128,7 @@ pub(super) fn roulette_shares(
 pub(super) fn disk_lights(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls) -> Option<Buffer> {
     let asked = Asked::of(around, Interleave::of(1.into()))?;
     let (block, shares) = (asked.block(g), shares_of(g, vpls));
-    let pass = g.compute("gather/explain").part("light", "gather/explain-disk");
+    let pass = g.compute("gather/explain").part("explain", "gather/explain-disk");
     let pass = match vpls.disks {
         Some(disks) => pass.part("disk", "gather/disk-stored").reads("disks", disks),
         None => pass.reads("areas", vpls.areas),

@@ -136,10 +136,15 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
             ));
         }
         let pairs = u64::from(width) * u64::from(height) * each;
-        if gather.stochastic.statistics && pairs > u64::from(u32::MAX) {
+        let counts = match gather.method {
+            GatherMethod::PerPixel => gather.per_pixel.statistics.then_some("gather.per_pixel.statistics"),
+            GatherMethod::Stochastic => gather.stochastic.statistics.then_some("gather.stochastic.statistics"),
+            GatherMethod::LightCaches => None,
+        };
+        if let Some(key) = counts.filter(|_| pairs > u64::from(u32::MAX)) {
             return Err(fail!(
                 BadInput,
-                "gather.stochastic.statistics: pictures of {width}x{height} may have {pairs} pairs of pixels and VPLs, over the {} that are counted; raise gather.interleave or take a smaller picture",
+                "{key}: pictures of {width}x{height} may have {pairs} pairs of pixels and VPLs, over the {} that are counted; raise gather.interleave or take a smaller picture",
                 u32::MAX
             ));
         }
@@ -155,7 +160,8 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
                 facts.adapter.name
             ));
         }
-        let most = most_vpls_a_pixel(gather.per_pixel.culling);
+        // Counting goes through all of a pixel's VPLs once more.
+        let most = most_vpls_a_pixel(gather.per_pixel.culling) / if gather.per_pixel.statistics { 3 } else { 1 };
         if gather.method == GatherMethod::PerPixel && each > most {
             return Err(fail!(
                 BadInput,

@@ -1,6 +1,44 @@
-//! What follows from what `gather.stochastic.statistics` counts.
+//! Light lists, counted and pictured: `gather.per_pixel.statistics` and `gather.stochastic.statistics`.
 
+use crate::gpu::Format;
+use crate::graph::{Graph, Image};
+use crate::shader_struct;
+use crate::stages::gbuffer::GBuffer;
 use std::collections::BTreeMap;
+
+shader_struct! {
+    struct StatisticsParams {
+        size: [i32; 2],
+    }
+}
+
+/// Image of each pixel's numbers of VPLs: diffuse ones on its lists and shining, then glossy ones; one texel unless they are counted.
+pub(super) fn numbers(g: &mut Graph, gbuffer: &GBuffer, are_counted: bool) -> Image {
+    g.image("gather/numbers", Format::Rgba32Float, if are_counted { gbuffer.size } else { [1, 1] })
+}
+
+/// Draws the length of pixels' light lists and their false discovery rate (figures 9 and 10). Counts `gather/pixels`, and pairs of pixel
+/// and VPL: `gather/diffuse-listed`, of which `gather/diffuse-lit` shine and `gather/diffuse-wrong` do not; the same for glossy VPLs. A
+/// pixel's list is that of its half of the tile; a subgroup with pixels of both halves walks both.
+pub(super) fn counted(g: &mut Graph, gbuffer: &GBuffer, numbers: Image) {
+    let picture = g.image("gather/statistics", Format::Rgba8Unorm, gbuffer.size);
+    let names = ["pixels", "diffuse-listed", "diffuse-lit", "diffuse-wrong", "glossy-listed", "glossy-lit", "glossy-wrong"];
+    let [pixels, diffuse_listed, diffuse_lit, diffuse_wrong, glossy_listed, glossy_lit, glossy_wrong] =
+        names.map(|name| g.count(&format!("gather/{name}")));
+    g.compute("gather/statistics")
+        .reads("depth", gbuffer.depth)
+        .reads("numbers", numbers)
+        .updates("pixels", pixels)
+        .updates("diffuse_listed", diffuse_listed)
+        .updates("diffuse_lit", diffuse_lit)
+        .updates("diffuse_wrong", diffuse_wrong)
+        .updates("glossy_listed", glossy_listed)
+        .updates("glossy_lit", glossy_lit)
+        .updates("glossy_wrong", glossy_wrong)
+        .writes("picture", picture)
+        .params(&StatisticsParams { size: gbuffer.size.map(|n| n as i32) })
+        .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
+}
 
 /// Means a pixel, for diffuse and glossy VPLs: VPLs on its light lists, VPLs among these that shine there, and the share that does not (the
 /// false discovery rate). Empty without counters.

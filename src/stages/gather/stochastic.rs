@@ -2,10 +2,11 @@
 //! without bias.
 
 use super::shells::{FrameShells, Shell};
+use super::statistics::{counted, numbers};
 use super::{Indirect, Visibility, explain, shadowed};
 use crate::config::{Bounds, Config, Dielectric, GatherConfig, Receiver, RouletteChoice};
 use crate::gpu::Format;
-use crate::graph::{Buffer, DrawList, Graph, Image};
+use crate::graph::{Buffer, DrawList, Graph};
 use crate::shader_struct;
 use crate::stages::gbuffer::GBuffer;
 use crate::stages::surroundings::Surroundings;
@@ -30,10 +31,6 @@ shader_struct! {
         count: u32,
         squared_min_distance: f32,
         delta: f32,
-    }
-
-    struct StatisticsParams {
-        size: [i32; 2],
     }
 }
 
@@ -135,7 +132,7 @@ pub(super) fn tiled(
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
     let reflects = config.stochastic.receiver == Receiver::Ggx;
     let reflection = g.image("gather/reflection", Format::Rgba16Float, if reflects { gbuffer.size } else { [1, 1] });
-    let numbers = g.image("gather/numbers", Format::Rgba32Float, if config.stochastic.statistics { gbuffer.size } else { [1, 1] });
+    let numbers = numbers(g, gbuffer, config.stochastic.statistics);
     let groups = interleave.groups(gbuffer.size, [TILE, TILE]);
     shadowed(g, "gather/stochastic-tiled", visibility)
         .reads("view", gbuffer.view)
@@ -164,31 +161,8 @@ pub(super) fn tiled(
         .params(&StochasticParams::of(vpls, config))
         .dispatch_groups([groups[0], groups[1], 1]);
     if config.stochastic.statistics {
-        statistics(g, gbuffer, numbers);
+        counted(g, gbuffer, numbers);
     }
     let shares = explain::roulette_shares(g, around, vpls, visibility, &ranges, config);
     Indirect { irradiance, reflection: reflects.then_some(reflection), pattern: interleave, shares }
-}
-
-/// Draws the length of pixels' light lists and their false discovery rate (figures 9 and 10). Counts `gather/pixels`, and pairs of pixel
-/// and VPL: `gather/diffuse-listed`, of which `gather/diffuse-lit` shine and `gather/diffuse-wrong` do not; the same for glossy VPLs. A
-/// pixel's list is that of its half of the tile; a subgroup with pixels of both halves walks both.
-pub(super) fn statistics(g: &mut Graph, gbuffer: &GBuffer, numbers: Image) {
-    let picture = g.image("gather/statistics", Format::Rgba8Unorm, gbuffer.size);
-    let names = ["pixels", "diffuse-listed", "diffuse-lit", "diffuse-wrong", "glossy-listed", "glossy-lit", "glossy-wrong"];
-    let [pixels, diffuse_listed, diffuse_lit, diffuse_wrong, glossy_listed, glossy_lit, glossy_wrong] =
-        names.map(|name| g.count(&format!("gather/{name}")));
-    g.compute("gather/statistics")
-        .reads("depth", gbuffer.depth)
-        .reads("numbers", numbers)
-        .updates("pixels", pixels)
-        .updates("diffuse_listed", diffuse_listed)
-        .updates("diffuse_lit", diffuse_lit)
-        .updates("diffuse_wrong", diffuse_wrong)
-        .updates("glossy_listed", glossy_listed)
-        .updates("glossy_lit", glossy_lit)
-        .updates("glossy_wrong", glossy_wrong)
-        .writes("picture", picture)
-        .params(&StatisticsParams { size: gbuffer.size.map(|n| n as i32) })
-        .dispatch([gbuffer.size[0], gbuffer.size[1], 1]);
 }
