@@ -59,9 +59,10 @@ void store_numbers(Pixel p, uint listed) {
 
 // Stores the numbers of VPLs on the pixels' lists, if they are asked for.
 void store_numbers(Quad q, uvec4 listed) {
-    if (!STATISTICS) return;
-    store_numbers(q.a, listed.x);
-    store_numbers(q.b, listed.y);
-    store_numbers(q.c, listed.z);
-    store_numbers(q.d, listed.w);
+    if (STATISTICS) {
+        store_numbers(q.a, listed.x);
+        store_numbers(q.b, listed.y);
+        store_numbers(q.c, listed.z);
+        store_numbers(q.d, listed.w);
+    }
 }
