@@ -179,6 +179,23 @@ impl<'d> User<'d> {
         self.wait("the picture in the window", |user| user.screen()?.find(picture, width));
     }
 
+    /// The text in the clipboard, as another program would get it.
+    fn clipboard(&mut self) -> String {
+        let atom = |user: &Self, name: &str| user.connection.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom;
+        let [clipboard, text, mine] = ["CLIPBOARD", "UTF8_STRING", "MANYLIGHT_TEST"].map(|name| atom(self, name));
+        let window = self.connection.generate_id().unwrap();
+        self.connection
+            .create_window(0, window, self.root, 0, 0, 1, 1, 0, xproto::WindowClass::INPUT_ONLY, 0, &Default::default())
+            .unwrap();
+        self.wait("text in the clipboard", |user| {
+            user.connection.convert_selection(window, clipboard, text, mine, x11rb::CURRENT_TIME).unwrap();
+            user.connection.flush().unwrap();
+            std::thread::sleep(Duration::from_millis(100));
+            let got = user.connection.get_property(true, window, mine, AtomEnum::ANY, 0, 1 << 16).unwrap().reply().unwrap();
+            (!got.value.is_empty()).then(|| String::from_utf8(got.value).unwrap())
+        })
+    }
+
     /// Waits for a file that is newer than the one that was there.
     fn file(&mut self, path: &Path) {
         self.wait("a file", |_| path.is_file().then_some(()));
@@ -249,7 +266,7 @@ fn the_window_shows_the_pixels_that_render_writes() {
 }
 
 #[test]
-fn a_flight_is_saved_as_a_config_whose_picture_is_the_windows() {
+fn a_flight_is_saved_as_a_config_and_copied_as_a_command_whose_pictures_are_the_windows() {
     let Some(display) = Display::open() else { return };
     let place = Place::new(&[("box.toml", BOX)]);
     let (mut user, ..) = opened(&display, &place);
@@ -270,10 +287,19 @@ fn a_flight_is_saved_as_a_config_whose_picture_is_the_windows() {
     let (after, width) = picture(&place.path("out/box-view/image.png"));
     assert_ne!(before, after, "the camera has moved");
     user.sees(&after, width);
+    user.press_control('k');
+    let line = user.clipboard();
     user.close();
     place.succeeds("render out/box-view/box.toml --frames 1 -o again --quiet");
+    // The line is for a shell, which finds the program by its name.
+    let line = format!("{line} --device cpu --quiet -o copied");
+    let program = Path::new(env!("CARGO_BIN_EXE_manylight")).parent().unwrap();
+    let status = Command::new("/bin/sh").args(["-c", &line]).current_dir(place.root()).env("PATH", program).status().unwrap();
+    assert!(status.success(), "{line}: {status}");
     for file in ["image.png", "image.exr"] {
-        assert!(place.read(&format!("out/box-view/{file}")) == place.read(&format!("again/{file}")), "{file} differs");
+        let saved = place.read(&format!("out/box-view/{file}"));
+        assert!(saved == place.read(&format!("again/{file}")), "{file} of the saved config differs");
+        assert!(saved == place.read(&format!("copied/{file}")), "{file} of {line} differs");
     }
 }
 

@@ -19,11 +19,14 @@ use std::collections::BTreeMap;
 ///
 /// With clustered culling a subgroup goes through the light lists of all froxels that its pixels are in, at worst one for each of its 4 pixels a
 /// lane: four VPLs take four turns 16 times, or eight six turns 32 times.
-const fn most_vpls_a_pixel(culling: Culling) -> u64 {
+///
+/// Counting takes a turn more for each VPL.
+const fn most_vpls_a_pixel(culling: Culling, counts: bool) -> u64 {
+    let counting = if counts { 1 } else { 0 };
     match culling {
-        Culling::None => planned_turns(60_000) * 4 / 3,
-        Culling::Tiled => planned_turns(60_000),
-        Culling::Clustered => planned_turns(60_000) * 8 / 6 / 32,
+        Culling::None => planned_turns(60_000) * 4 / (3 + 4 * counting),
+        Culling::Tiled => planned_turns(60_000) / (1 + counting),
+        Culling::Clustered => planned_turns(60_000) / (24 + counting),
     }
 }
 
@@ -160,8 +163,7 @@ pub fn check(config: &Config, facts: &Facts) -> Result<()> {
                 facts.adapter.name
             ));
         }
-        // Counting goes through all of a pixel's VPLs once more.
-        let most = most_vpls_a_pixel(gather.per_pixel.culling) / if gather.per_pixel.statistics { 3 } else { 1 };
+        let most = most_vpls_a_pixel(gather.per_pixel.culling, gather.per_pixel.statistics);
         if gather.method == GatherMethod::PerPixel && each > most {
             return Err(fail!(
                 BadInput,

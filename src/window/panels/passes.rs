@@ -6,6 +6,9 @@ use crate::window::PICTURE;
 use crate::window::look::{Channel, Look};
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, Ui};
 
+/// Lines above the list of passes: an image's name, its shape, layer, channel, range and the way in which it is shown.
+const LOOK_ROWS: f32 = 6.0;
+
 impl Panels {
     pub(super) fn passes(&mut self, ui: &mut Ui) {
         let Some(shown) = &self.shown else { return };
@@ -13,7 +16,18 @@ impl Panels {
             (self.pass, self.image, self.look, self.is_stale) = (PICTURE.0, PICTURE.1.to_owned(), Look::default(), true);
         }
         let outputs = shown.outputs.clone();
-        self.look_of_image(ui);
+        // The list below stays in place, whatever is chosen.
+        let height = LOOK_ROWS * (ui.spacing().interact_size.y + ui.spacing().item_spacing.y);
+        ui.allocate_ui(egui::vec2(ui.available_width(), height), |ui| {
+            ui.set_min_height(height);
+            match self.rows() {
+                Some(rows) => {
+                    ui.label(RichText::new(&self.image).strong());
+                    ui.label(format!("a buffer of {} elements, {} columns", rows.len(), rows.columns.len()));
+                }
+                None => self.look_of_image(ui),
+            }
+        });
         ui.separator();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             for (pass, written) in outputs {

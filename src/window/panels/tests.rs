@@ -125,7 +125,7 @@ fn a_buffer_is_a_table_of_its_numbers() {
     let mut user = User::of("linke");
     user.click("vpls/areas");
     assert_eq!(user.request().pass, "vpls/regular");
-    user.0.get_by_label_contains("2 elements");
+    user.0.get_by_label_contains("vpls/areas: 2 elements");
     user.0.get_by_label_contains("1.50000");
 }
 

@@ -17,8 +17,9 @@ impl Panels {
                 self.save_config();
             }
             let wants_picture = ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::S));
-            let hint = "Copy the command line that makes this picture, byte by byte";
-            if ui.button("Copy command").on_hover_text(hint).clicked() {
+            let wants_line = ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::K));
+            let hint = "Copy the command line that makes this picture, byte by byte (Ctrl+K)";
+            if ui.button("Copy command").on_hover_text(hint).clicked() || wants_line {
                 ui.ctx().copy_text(self.project.command(self.frame));
                 self.said = Some("the command line is in the clipboard".to_owned());
             }
