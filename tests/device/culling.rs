@@ -53,10 +53,11 @@ fn light_lists_are_counted_hold_all_that_shine_and_leave_out_others() {
     for block in [[1, 1], [4, 4]].map(Block) {
         let mut config = config([333, 187], [-8.2, 1.9, -6.2], [0.0, 2.2, -5.4]);
         config.gather.interleave = block;
-        let plain = picture(&mut renderer, &config);
-        config.gather.per_pixel.statistics = true;
         let mut counts = |culling: Culling| {
             config.gather.per_pixel.culling = culling;
+            config.gather.per_pixel.statistics = false;
+            let plain = picture(&mut renderer, &config);
+            config.gather.per_pixel.statistics = true;
             let rendered = render(&mut renderer, &config, 0);
             assert!(rendered.picture.as_ref().unwrap().image == plain.image, "{culling:?}, {block}: counting changes the picture");
             ["pixels", "diffuse-listed", "diffuse-lit", "diffuse-wrong"].map(|name| count(&rendered, &format!("gather/{name}")))
