@@ -15,7 +15,8 @@
 //!   the binary.
 //! - [`output`] and [`files`] write pictures and records, whole or not at all. [`report`] makes statistics, tables of text and the
 //!   HTML page. [`export`] writes scenes for other renderers.
-//! - [`window`] shows frames and takes wishes, while the command that opened it renders them.
+//! - [`window`] shows frames and takes requests, while the command that opened it renders them. [`inspection`] answers questions about a
+//!   frame: why a pixel is lit, and where the VPLs are.
 //! - [`cli`] parses the command line, [`commands`] has a file for each command. [`cache`] is the user's cache folder, [`trace`]
 //!   records timelines, [`error`] has the exit codes.
 #![deny(unsafe_code)]

@@ -268,7 +268,7 @@ impl Renderer {
     /// # Errors
     /// As [`Self::shoot`].
     pub fn render(&mut self, config: &Config, frame_index: u32, pictured: bool, execution: &Execution) -> Result<Rendered> {
-        self.next(config, frame_index, Inspection::default(), pictured, execution)
+        self.inspect(config, frame_index, Inspection::default(), pictured, execution)
     }
 
     /// Renders a frame as [`Self::render`] does, and answers questions about it. The picture is the same.
@@ -291,17 +291,6 @@ impl Renderer {
             assert!(pixel[0] < size[0] && pixel[1] < size[1], "pixel {pixel:?} is outside of a picture of {size:?}");
             self.ensure(Needs { rays: true })?;
         }
-        self.next(config, frame_index, inspection, pictured, execution)
-    }
-
-    fn next(
-        &mut self,
-        config: &Config,
-        frame_index: u32,
-        inspection: Inspection,
-        pictured: bool,
-        execution: &Execution,
-    ) -> Result<Rendered> {
         self.ensure_for(config)?;
         let shot = Shot { inspection, ..self.shot(config, frame_index)? };
         let mut lane = std::mem::take(&mut self.batch);

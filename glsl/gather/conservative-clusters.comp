@@ -7,11 +7,10 @@
 #include "gather/shell-froxel.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(constant_id = 6) const bool STATISTICS = false;
 
 layout(scalar) readonly buffer Heads { uvec2 at[]; } heads;
 layout(scalar) readonly buffer Nodes { uvec2 at[]; } nodes;
-layout(rgba32f) writeonly uniform image2D numbers;
+#include "part/numbers=gather/numbers-none"
 layout(rgba16f) writeonly uniform image2D irradiance;
 
 const uint END = 0xffffffffu;
@@ -38,5 +37,5 @@ void main() {
         }
     }
     imageStore(irradiance, pixel, vec4(min(p.sum * float(SETS), LARGEST_HALF), 1.0));
-    if (STATISTICS) imageStore(numbers, pixel, vec4(p.numbers));
+    store_numbers(pixel, vec4(p.numbers));
 }

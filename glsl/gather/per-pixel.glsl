@@ -5,10 +5,8 @@
 #include "lib/color.glsl"
 #include "lib/subgroup.glsl"
 
-layout(constant_id = 6) const bool STATISTICS = false;
-
 layout(rgba16f) writeonly uniform image2D irradiance;
-layout(rgba32f) writeonly uniform image2D numbers; // VPLs on the pixel's list, and those that shine
+#include "part/numbers=gather/numbers-none"
 #include "part/seen=gather/seen-all"
 
 void store(Pixel p) {
@@ -54,7 +52,7 @@ uint shining(Receiver r) {
 }
 
 void store_numbers(Pixel p, uint listed) {
-    if (in_picture(p.at.pixel)) imageStore(numbers, p.at.pixel, vec4(float(listed), float(shining(p.at)), 0.0, 0.0));
+    if (in_picture(p.at.pixel)) store_numbers(p.at.pixel, vec4(float(listed), float(shining(p.at)), 0.0, 0.0));
 }
 
 // Stores the numbers of VPLs on the pixels' lists, if they are asked for.

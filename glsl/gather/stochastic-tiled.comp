@@ -15,11 +15,10 @@ layout(local_size_x = 8, local_size_y = 8) in; // of 2 x 2 pixels of the set eac
 layout(constant_id = 3) const bool DIFFUSE = true;
 layout(constant_id = 4) const bool LOBES = false;
 layout(constant_id = 5) const bool CULL = true;
-layout(constant_id = 6) const bool STATISTICS = false;
 
 layout(scalar) readonly buffer Spheres { vec4 at[]; } spheres;
 layout(scalar) readonly buffer Spheroids { Spheroid at[]; } spheroids;
-layout(rgba32f) writeonly uniform image2D numbers; // VPLs on the pixel's list, and those that shine; diffuse, then lobes
+#include "part/numbers=gather/numbers-none"
 layout(rgba16f) writeonly uniform image2D irradiance;
 layout(rgba16f) writeonly uniform image2D reflection; // radiance that glossy receivers reflect to the eye
 
@@ -83,7 +82,7 @@ void store(Pixel p) {
     if (!in_picture(p.at.pixel)) return;
     imageStore(irradiance, p.at.pixel, vec4(min(p.sum * float(SETS), LARGEST_HALF), 1.0));
     if (GLOSSY_RECEIVER) imageStore(reflection, p.at.pixel, vec4(min(p.reflected * float(SETS), LARGEST_HALF), 1.0));
-    if (STATISTICS) imageStore(numbers, p.at.pixel, vec4(p.numbers));
+    store_numbers(p.at.pixel, vec4(p.numbers));
 }
 
 #include "gather/quad.glsl"

@@ -4,7 +4,8 @@
 //!   answered at once, however long a frame takes.
 //! - [`Project`] is what is shown: a config and the changes over it, each a `--set`. A picture at rest is the one that `render` makes of
 //!   them, byte by byte.
-//! - [`flight`] moves the camera, [`look`] makes images of passes visible, [`panels`] are the widgets, [`painter`] draws them by a graph.
+//! - [`flight`] moves the camera, [`recording`] makes keyframes of its way, [`look`] makes images of passes visible, [`panels`] are the
+//!   widgets, [`painter`] draws them by a graph.
 
 mod app;
 mod flight;

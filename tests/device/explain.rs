@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use glam::Vec3;
-use manylight::config::{Block, Builtin, Config, Culling, GatherMethod, SceneConfig, VisibilityMethod};
+use manylight::config::{Block, Builtin, Config, Culling, GatherMethod, SceneConfig, VisibilityMethod, VplSampler};
 use manylight::inspection::Explanation;
 use manylight::renderer::Renderer;
 use manylight::scene::source::load_scene;
@@ -65,7 +65,6 @@ fn shares_sum_to_the_irradiance_before_the_filter_and_that_leads_to_the_picture(
                     assert_same(sums.seen.unwrap(), sums.light, &what);
                     assert_eq!(asked.irradiance, asked.gathered, "nothing is filtered");
                 }
-                assert!((sums.by_rays.cmple(sums.open)).all());
                 lit += usize::from(sums.light.min_element() > 0.0);
             }
             assert!(lit > 25, "{lit} pixels are lit");
@@ -114,6 +113,32 @@ fn the_brightest_vpl_comes_first_with_its_distance_and_cosines() {
         assert_same(light.share.open.into(), facing, &format!("VPL {}", light.index));
         assert!(light.from > 0.0 && light.to > 0.0);
     }
+    finish(renderer.gpu());
+}
+
+#[test]
+fn area_lights_of_light_caches_are_those_that_shine_on_a_pixel_itself() {
+    let mut renderer = cornell();
+    let mut config = config();
+    config.gather.interleave = Block::from(1);
+    config.vpls.sampler = VplSampler::EveryTexel;
+    config.rsm.size = [48, 48];
+    let (mut caches, mut points) = (Vec3::ZERO, Vec3::ZERO);
+    for pixel in pixels() {
+        config.gather.method = GatherMethod::PerPixel;
+        let by_points = ask(&mut renderer, &config, pixel);
+        config.gather.method = GatherMethod::LightCaches;
+        let by_caches = ask(&mut renderer, &config, pixel);
+        for (disk, point) in by_caches.bounces.iter().flatten().zip(by_points.bounces.iter().flatten()) {
+            assert_eq!((disk.position, disk.by_rays), (point.position, point.by_rays), "pixel {pixel:?}");
+        }
+        caches += by_caches.sums().by_rays;
+        points += by_points.sums().by_rays;
+    }
+    // Small disks are points, seen from afar; from nearby they are dimmer.
+    let ratio = caches / points;
+    println!("disks have {ratio} of the light of points");
+    assert!(ratio.min_element() > 0.995 && ratio.max_element() < 1.0, "{ratio}");
     finish(renderer.gpu());
 }
 

@@ -64,7 +64,7 @@ fn the_resources_of_a_known_frame_take_what_their_texels_do() {
     // Six maps of depth, normal, flux and albedo.
     let maps = ["depth", "normal", "flux", "albedo"].map(|name| memory.resources[&format!("rsm/{name}")]);
     assert_eq!(maps, [4, 4, 16, 8].map(|texel| 6 * 32 * 16 * texel));
-    assert_eq!((memory.stages["vpls"], memory.stages["gather"]), (100 * (16 + 12 + 4) + 4, pixels * 8 + 16));
+    assert_eq!((memory.stages["vpls"], memory.stages["gather"]), (100 * (16 + 12 + 4) + 4, pixels * 8));
     // Every stage with resources has passes of its name, save the sky, whose radiance the last pass reads. Imported resources do not
     // count as the frame's.
     let stages: Vec<&str> = memory.stages.keys().map(String::as_str).collect();

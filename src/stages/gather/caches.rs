@@ -38,7 +38,7 @@ impl ShaderStruct for LightCache {
     const MEMBERS: &'static [Member] = {
         use std::mem::offset_of;
         &[
-            Member { name: "corners", kind: "[f32; 3]", offset: offset_of!(LightCache, corners), bytes: 12 },
+            Member { name: "corners", kind: "[u32; 3]", offset: offset_of!(LightCache, corners), bytes: 12 },
             Member { name: "draw", kind: "u32", offset: offset_of!(LightCache, draw), bytes: 4 },
             Member { name: "weights", kind: "[f32; 2]", offset: offset_of!(LightCache, weights), bytes: 8 },
             Member { name: "normal", kind: "[f32; 3]", offset: offset_of!(LightCache, normal), bytes: 12 },

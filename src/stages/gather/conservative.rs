@@ -2,7 +2,7 @@
 //! with light lists of froxels that the hulls of the VPLs' ranges are rasterized into.
 
 use super::shells::Shell;
-use super::statistics::{counted, numbers};
+use super::statistics::{counted, counting, numbers};
 use super::stochastic::{Ranges, Roulette, StochasticParams, bounds, is_coated, ranges};
 use super::{Indirect, Visibility, explain};
 use crate::config::{GatherConfig, Rasterization};
@@ -86,7 +86,7 @@ pub(super) fn conservative_clusters(
     let irradiance = g.image("gather/irradiance", Format::Rgba16Float, gbuffer.size);
     let numbers = numbers(g, gbuffer, config.stochastic.statistics);
     let groups = interleave.groups(gbuffer.size, [8, 8]);
-    g.compute("gather/conservative-clusters")
+    counting(g.compute("gather/conservative-clusters"), numbers)
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
         .reads("normal", gbuffer.normal)
@@ -96,17 +96,13 @@ pub(super) fn conservative_clusters(
         .reads("chances", chances)
         .reads("heads", heads)
         .reads("nodes", nodes)
-        .writes("numbers", numbers)
         .writes("irradiance", irradiance)
         .constant("BLOCK_ACROSS", interleave.across())
         .constant("BLOCK_DOWN", interleave.down())
-        .constant("STATISTICS", config.stochastic.statistics)
         .constant("COATED", is_coated(vpls, around.wants.dielectric))
         .params(&StochasticParams::of(vpls, config))
         .dispatch_groups([groups[0], groups[1], 1]);
-    if config.stochastic.statistics {
-        counted(g, gbuffer, numbers);
-    }
+    counted(g, gbuffer, numbers);
     let shares = explain::roulette_shares(g, around, vpls, Visibility::None, &ranges, config);
     Indirect { irradiance, reflection: None, pattern: interleave, shares }
 }

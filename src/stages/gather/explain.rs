@@ -79,7 +79,7 @@ fn shares_of(g: &mut Graph, vpls: &Vpls) -> Buffer {
     g.buffer::<VplShare>("gather/shares", vpls.count)
 }
 
-/// Shares of VPLs in a sum without roulette, as [`VplShare`]s; none unless a pixel is asked about.
+/// [`VplShare`]s of a sum without roulette; `None` unless a pixel is asked about.
 pub(super) fn vpl_shares(
     g: &mut Graph,
     around: Surroundings<'_>,
@@ -97,7 +97,7 @@ pub(super) fn vpl_shares(
     Some(shares)
 }
 
-/// Shares of VPLs in a sum by roulette; `reflects`: receivers are glossy.
+/// [`VplShare`]s of a sum by roulette; `None` unless a pixel is asked about.
 pub(super) fn roulette_shares(
     g: &mut Graph,
     around: Surroundings<'_>,

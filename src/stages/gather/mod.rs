@@ -166,7 +166,7 @@ fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: V
     };
     let froxels = (config.per_pixel.culling == Culling::Clustered).then(|| froxels(g, gbuffer, vpls, interleave));
     let numbers = statistics::numbers(g, gbuffer, config.per_pixel.statistics);
-    let mut pass = shadowed(g, name, visibility);
+    let mut pass = statistics::counting(shadowed(g, name, visibility), numbers);
     if square {
         pass = pass.part("tile", "gather/tile-square");
     }
@@ -180,16 +180,12 @@ fn per_pixel(g: &mut Graph, around: Surroundings<'_>, vpls: &Vpls, visibility: V
         .reads("intensities", vpls.intensities)
         .reads("areas", vpls.areas)
         .writes("irradiance", irradiance)
-        .writes("numbers", numbers)
         .constant("DISKS", config.per_pixel.emitters == Emitters::Disks)
-        .constant("STATISTICS", config.per_pixel.statistics)
         .constant("BLOCK_ACROSS", interleave.across())
         .constant("BLOCK_DOWN", interleave.down())
         .params(&PerPixelParams { count: vpls.count, squared_min_distance: config.min_distance * config.min_distance })
         .dispatch_groups([groups[0], groups[1], 1]);
-    if config.per_pixel.statistics {
-        statistics::counted(g, gbuffer, numbers);
-    }
+    statistics::counted(g, gbuffer, numbers);
     let shares = explain::vpl_shares(g, around, vpls, visibility, config);
     Indirect { irradiance, reflection: None, pattern: interleave, shares }
 }

@@ -1,7 +1,7 @@
 //! Light lists, counted and pictured: `gather.per_pixel.statistics` and `gather.stochastic.statistics`.
 
 use crate::gpu::Format;
-use crate::graph::{Graph, Image};
+use crate::graph::{ComputePass, Graph, Image};
 use crate::shader_struct;
 use crate::stages::gbuffer::GBuffer;
 use std::collections::BTreeMap;
@@ -12,15 +12,24 @@ shader_struct! {
     }
 }
 
-/// Image of each pixel's numbers of VPLs: diffuse ones on its lists and shining, then glossy ones; one texel unless they are counted.
-pub(super) fn numbers(g: &mut Graph, gbuffer: &GBuffer, are_counted: bool) -> Image {
-    g.image("gather/numbers", Format::Rgba32Float, if are_counted { gbuffer.size } else { [1, 1] })
+/// Image of each pixel's numbers of VPLs: diffuse ones on its lists and shining, then glossy ones; `None` unless they are counted.
+pub(super) fn numbers(g: &mut Graph, gbuffer: &GBuffer, are_counted: bool) -> Option<Image> {
+    are_counted.then(|| g.image("gather/numbers", Format::Rgba32Float, gbuffer.size))
+}
+
+/// A gather's pass that stores the numbers, if there is an image of them.
+pub(super) fn counting(pass: ComputePass<'_>, numbers: Option<Image>) -> ComputePass<'_> {
+    match numbers {
+        None => pass,
+        Some(numbers) => pass.part("numbers", "gather/numbers-counted").writes("numbers", numbers),
+    }
 }
 
 /// Draws the length of pixels' light lists and their false discovery rate (figures 9 and 10). Counts `gather/pixels`, and pairs of pixel
 /// and VPL: `gather/diffuse-listed`, of which `gather/diffuse-lit` shine and `gather/diffuse-wrong` do not; the same for glossy VPLs. A
 /// pixel's list is that of its half of the tile; a subgroup with pixels of both halves walks both.
-pub(super) fn counted(g: &mut Graph, gbuffer: &GBuffer, numbers: Image) {
+pub(super) fn counted(g: &mut Graph, gbuffer: &GBuffer, numbers: Option<Image>) {
+    let Some(numbers) = numbers else { return };
     let picture = g.image("gather/statistics", Format::Rgba8Unorm, gbuffer.size);
     let names = ["pixels", "diffuse-listed", "diffuse-lit", "diffuse-wrong", "glossy-listed", "glossy-lit", "glossy-wrong"];
     let [pixels, diffuse_listed, diffuse_lit, diffuse_wrong, glossy_listed, glossy_lit, glossy_wrong] =

@@ -2,7 +2,7 @@
 //! without bias.
 
 use super::shells::{FrameShells, Shell};
-use super::statistics::{counted, numbers};
+use super::statistics::{counted, counting, numbers};
 use super::{Indirect, Visibility, explain, shadowed};
 use crate::config::{Bounds, Config, Dielectric, GatherConfig, Receiver, RouletteChoice};
 use crate::gpu::Format;
@@ -134,7 +134,7 @@ pub(super) fn tiled(
     let reflection = g.image("gather/reflection", Format::Rgba16Float, if reflects { gbuffer.size } else { [1, 1] });
     let numbers = numbers(g, gbuffer, config.stochastic.statistics);
     let groups = interleave.groups(gbuffer.size, [TILE, TILE]);
-    shadowed(g, "gather/stochastic-tiled", visibility)
+    counting(shadowed(g, "gather/stochastic-tiled", visibility), numbers)
         .reads("view", gbuffer.view)
         .reads("depth", gbuffer.depth)
         .reads("normal", gbuffer.normal)
@@ -146,7 +146,6 @@ pub(super) fn tiled(
         .reads("chances", ranges.chances)
         .reads("albedo", gbuffer.albedo)
         .reads("metallic_roughness", gbuffer.metallic_roughness)
-        .writes("numbers", numbers)
         .writes("reflection", reflection)
         .writes("irradiance", irradiance)
         .constant("BLOCK_ACROSS", interleave.across())
@@ -154,15 +153,12 @@ pub(super) fn tiled(
         .constant("DIFFUSE", vpls.diffuse)
         .constant("LOBES", vpls.lobes.is_some())
         .constant("CULL", config.stochastic.bounds != Bounds::None)
-        .constant("STATISTICS", config.stochastic.statistics)
         .constant("GLOSSY_RECEIVER", reflects)
         .constant("GLOSSY_DIELECTRIC", dielectric == Dielectric::Ggx)
         .constant("COATED", is_coated(vpls, dielectric))
         .params(&StochasticParams::of(vpls, config))
         .dispatch_groups([groups[0], groups[1], 1]);
-    if config.stochastic.statistics {
-        counted(g, gbuffer, numbers);
-    }
+    counted(g, gbuffer, numbers);
     let shares = explain::roulette_shares(g, around, vpls, visibility, &ranges, config);
     Indirect { irradiance, reflection: reflects.then_some(reflection), pattern: interleave, shares }
 }

@@ -4,7 +4,7 @@ use super::vpls::Tells;
 use super::{Panels, Tab};
 use crate::color::luminance;
 use crate::inspection::{Explanation, Lighting};
-use crate::window::mailbox::Truth;
+use crate::window::mailbox::{Shown, Truth};
 use crate::world::projection::View;
 use egui::{Color32, ComboBox, DragValue, Grid, Painter, Pos2, Rect, RichText, ScrollArea, Ui, pos2};
 use glam::Vec3;
@@ -133,7 +133,13 @@ impl Panels {
             }
         });
         let Some(explanation) = self.explanation().cloned() else {
-            ui.spinner();
+            // A moving camera's picture may be smaller than the one at rest.
+            let is_outside = |shown: &Shown| shown.request.scale == 1.0 && (x >= shown.view.width || y >= shown.view.height);
+            if !self.shown.as_deref().is_some_and(is_outside) {
+                ui.spinner();
+            } else {
+                ui.label("The pixel is outside of this picture.");
+            }
             return;
         };
         let Some((position, normal)) = explanation.surface else {

@@ -18,7 +18,7 @@ use self::light::Question;
 use self::vpls::Overlay;
 use super::flight::Flight;
 use super::look::{Look, Texels};
-use super::mailbox::{Message, Request, Shown};
+use super::mailbox::{Against, Message, Request, Shown};
 use super::pace::Pace;
 use super::project::Project;
 use super::recording::{self, Key, Recording};
@@ -203,6 +203,12 @@ impl Panels {
             None => {}
         }
         self.overlay.take(&mut shown);
+        // What the reference had of another picture says nothing of this one.
+        let before = self.shown.as_ref().map(|shown| (&shown.request.project, shown.request.frame));
+        let traced = matches!(shown.request.against, Against::Reference { .. });
+        if !traced || before != Some((&shown.request.project, shown.request.frame)) {
+            self.question.take(None);
+        }
         self.compare.shown();
         (self.shown, self.is_stale) = (Some(shown), true);
         context.request_repaint();
